@@ -1,0 +1,27 @@
+/* What Rust sees of Embree: the installed header, and four calls that are the same for Embree 3 and 4. */
+#pragma once
+
+#if GONIO_EMBREE_MAJOR == 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+/* A query context that carries a pointer of ours. Embree hands its first member to the callbacks. */
+struct gonio_context {
+#if GONIO_EMBREE_MAJOR == 4
+    struct RTCRayQueryContext embree;
+#else
+    struct RTCIntersectContext embree;
+#endif
+    void *payload;
+};
+
+/* Nearest hit of 1, 4, 8 or 16 rays; `coherent` is a hint. `valid` holds -1 (active) or 0 per ray. */
+void gonio_intersect1(RTCScene scene, struct RTCRayHit *rays, void *payload, int coherent);
+void gonio_intersect4(const int *valid, RTCScene scene, struct RTCRayHit4 *rays, void *payload, int coherent);
+void gonio_intersect8(const int *valid, RTCScene scene, struct RTCRayHit8 *rays, void *payload, int coherent);
+void gonio_intersect16(const int *valid, RTCScene scene, struct RTCRayHit16 *rays, void *payload, int coherent);
+
+/* The compiler's view of the packet, to hold against the one generated for Rust. */
+size_t gonio_sizeof_rayhit16(void);

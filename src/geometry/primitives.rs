@@ -1,0 +1,528 @@
+//! All primitives of a sample in flat lists, and what each says to a ray.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::plane::PlaneSet;
+use super::triangle::meet;
+use super::{Aabb, Crossing, Cuboid, Cylinder, Layer, Plane, Query, Sink, Sphere, SurfaceId, Triangle};
+
+/// Index of a primitive: triangles first, then spheres, cylinders, cuboids, layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PrimId(pub u32);
+
+/// What a primitive is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// See [`Triangle`].
+    Triangle,
+    /// See [`Sphere`].
+    Sphere,
+    /// See [`Cylinder`].
+    Cylinder,
+    /// See [`Cuboid`].
+    Cuboid,
+    /// See [`Layer`].
+    Layer,
+}
+
+impl Kind {
+    /// The kinds that have bounds and so go into an accelerator, in order of [`PrimId`].
+    pub const BOUNDED: [Self; 4] = [Self::Triangle, Self::Sphere, Self::Cylinder, Self::Cuboid];
+}
+
+/// A shape as it is handed to the [`Builder`].
+#[derive(Clone, Copy, Debug)]
+pub enum Shape {
+    /// Corners are indices of [`Builder::vertex`].
+    Triangle(Triangle),
+    /// A sphere.
+    Sphere(Sphere),
+    /// A cylinder.
+    Cylinder(Cylinder),
+    /// A box.
+    Cuboid(Cuboid),
+    /// An infinite layer.
+    Layer(Layer),
+}
+
+/// One list of equal things: shapes, the surfaces of their faces, and who owns them.
+#[derive(Clone, Debug)]
+struct List<T, const FACES: usize> {
+    shapes: Vec<T>,
+    surfaces: Vec<[SurfaceId; FACES]>,
+    owners: Vec<u32>,
+}
+
+impl<T, const FACES: usize> Default for List<T, FACES> {
+    fn default() -> Self {
+        Self { shapes: Vec::new(), surfaces: Vec::new(), owners: Vec::new() }
+    }
+}
+
+impl<T, const FACES: usize> List<T, FACES> {
+    fn push(&mut self, shape: T, surfaces: [SurfaceId; FACES], owner: u32) {
+        self.shapes.push(shape);
+        self.surfaces.push(surfaces);
+        self.owners.push(owner);
+    }
+
+    fn len(&self) -> usize {
+        self.shapes.len()
+    }
+}
+
+/// A height at which layers begin or end.
+#[derive(Clone, Debug)]
+struct Level {
+    z: f64,
+    surface: SurfaceId,
+    faces: Vec<(PrimId, u8)>,
+}
+
+/// The geometry of a sample: immutable, shared by all backends.
+#[derive(Clone, Debug, Default)]
+pub struct Primitives {
+    vertices: Vec<DVec3>,
+    triangles: List<Triangle, 1>,
+    spheres: List<Sphere, 1>,
+    cylinders: List<Cylinder, 3>,
+    cuboids: List<Cuboid, 6>,
+    layers: List<Layer, 2>,
+    levels: Vec<Level>,
+    planes: Vec<Plane>,
+}
+
+/// Collects shapes; [`Builder::finish`] finds out which faces coincide.
+#[derive(Default)]
+pub struct Builder {
+    vertices: Vec<DVec3>,
+    shapes: Vec<(Shape, u32)>,
+}
+
+impl Builder {
+    /// Adds a corner for triangles; returns its index.
+    pub fn vertex(&mut self, p: DVec3) -> u32 {
+        self.vertices.push(p);
+        u32::try_from(self.vertices.len() - 1).expect("fewer than 2^32 vertices")
+    }
+
+    /// Adds a shape that belongs to solid number `owner`.
+    pub fn add(&mut self, shape: Shape, owner: u32) {
+        self.shapes.push((shape, owner));
+    }
+
+    /// Gives coincident faces one [`SurfaceId`] and sorts everything into lists. Primitives are numbered by kind
+    /// and, within a kind, in the order they were added. A triangle without area is left out.
+    pub fn finish(self) -> Primitives {
+        let mut planes = PlaneSet::default();
+        let mut curved = HashMap::new();
+        let mut out = Primitives { vertices: self.vertices, ..Primitives::default() };
+        for (shape, owner) in self.shapes {
+            match shape {
+                Shape::Triangle(t) => {
+                    let corners = t.corners.map(|i| out.vertices[i as usize]);
+                    let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+                    if let Some(normal) = area.try_normalize() {
+                        out.triangles.push(t, [plane_id(planes.add(normal, &corners).0)], owner);
+                    }
+                }
+                Shape::Sphere(s) => {
+                    let key = [s.center.x, s.center.y, s.center.z, s.radius].map(f64::to_bits);
+                    out.spheres.push(s, [curved_id(&mut curved, key.to_vec())], owner);
+                }
+                Shape::Cylinder(c) => {
+                    let v = [c.from, c.axis, c.u].map(|v| v.to_array()).concat();
+                    let key = v.iter().chain(&c.radii).map(|x| x.to_bits()).collect();
+                    let [first, second] = c.ends().map_or([SurfaceId::NONE; 2], |ends| {
+                        ends.map(|p| plane_id(planes.add(p.normal, &end_points(&c, &p)).0))
+                    });
+                    out.cylinders.push(c, [curved_id(&mut curved, key), first, second], owner);
+                }
+                Shape::Cuboid(b) => {
+                    let faces = std::array::from_fn(|f| planes.add(Cuboid::normal(f as u8), &[b.corner(f as u8)]).0);
+                    out.cuboids.push(b, faces.map(plane_id), owner);
+                }
+                Shape::Layer(l) => {
+                    let faces = [l.bottom, l.top].map(|z| {
+                        if z.is_finite() { plane_id(planes.add(DVec3::Z, &[z * DVec3::Z]).0) } else { SurfaceId::NONE }
+                    });
+                    out.layers.push(l, faces, owner);
+                }
+            }
+        }
+        out.planes = planes.into_planes();
+        out.number_curved_surfaces_after_planes();
+        out.settle_on_planes();
+        out.levels = out.collect_levels();
+        out
+    }
+}
+
+/// Points of a cylinder's end that fix its plane.
+fn end_points(c: &Cylinder, end: &Plane) -> [DVec3; 3] {
+    let center = end.project(c.from);
+    [center, center + c.radii[0] * c.u, center + c.radii[1] * c.v()]
+}
+
+/// Surface of plane `index`.
+fn plane_id(index: u32) -> SurfaceId {
+    SurfaceId(index + 1)
+}
+
+/// Curved surfaces are numbered from 1 while planes are still being found.
+fn curved_id(known: &mut HashMap<Vec<u64>, u32>, key: Vec<u64>) -> SurfaceId {
+    let next = u32::try_from(known.len() + 1).expect("fewer than 2^32 surfaces");
+    SurfaceId(*known.entry(key).or_insert(next))
+}
+
+impl Primitives {
+    fn number_curved_surfaces_after_planes(&mut self) {
+        let planes = self.planes.len() as u32;
+        for [s] in &mut self.spheres.surfaces {
+            s.0 += planes;
+        }
+        for [mantle, ..] in &mut self.cylinders.surfaces {
+            mantle.0 += planes;
+        }
+    }
+
+    /// Moves faces (by less than [`super::COINCIDENT`]) onto the plane they share with others.
+    fn settle_on_planes(&mut self) {
+        let offset = |s: SurfaceId| self.planes[s.0 as usize - 1].offset;
+        for (b, faces) in self.cuboids.shapes.iter_mut().zip(&self.cuboids.surfaces) {
+            b.min = DVec3::new(offset(faces[0]), offset(faces[2]), offset(faces[4]));
+            b.max = DVec3::new(offset(faces[1]), offset(faces[3]), offset(faces[5]));
+        }
+        for (l, faces) in self.layers.shapes.iter_mut().zip(&self.layers.surfaces) {
+            if faces[0] != SurfaceId::NONE {
+                l.bottom = offset(faces[0]);
+            }
+            l.top = offset(faces[1]);
+        }
+    }
+
+    fn collect_levels(&self) -> Vec<Level> {
+        let first = self.bounded_count() as u32;
+        let mut levels: Vec<Level> = Vec::new();
+        let mut known: HashMap<SurfaceId, usize> = HashMap::new();
+        for (i, (layer, surfaces)) in self.layers.shapes.iter().zip(&self.layers.surfaces).enumerate() {
+            for (face, z) in [(Layer::BOTTOM, layer.bottom), (Layer::TOP, layer.top)] {
+                let surface = surfaces[usize::from(face)];
+                if surface == SurfaceId::NONE {
+                    continue;
+                }
+                let at = *known.entry(surface).or_insert_with(|| {
+                    levels.push(Level { z, surface, faces: Vec::new() });
+                    levels.len() - 1
+                });
+                levels[at].faces.push((PrimId(first + i as u32), face));
+            }
+        }
+        levels.sort_by(|a, b| a.z.total_cmp(&b.z));
+        levels
+    }
+
+    /// Number of primitives of a kind.
+    pub fn count(&self, kind: Kind) -> usize {
+        match kind {
+            Kind::Triangle => self.triangles.len(),
+            Kind::Sphere => self.spheres.len(),
+            Kind::Cylinder => self.cylinders.len(),
+            Kind::Cuboid => self.cuboids.len(),
+            Kind::Layer => self.layers.len(),
+        }
+    }
+
+    /// Number of primitives with bounds.
+    pub fn bounded_count(&self) -> usize {
+        Kind::BOUNDED.iter().map(|&k| self.count(k)).sum()
+    }
+
+    /// Number of all primitives.
+    pub fn len(&self) -> usize {
+        self.bounded_count() + self.layers.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of distinct surfaces; ids are `1..=surface_count`.
+    pub fn surface_count(&self) -> usize {
+        let curved = self.spheres.surfaces.iter().map(|s| s[0]).chain(self.cylinders.surfaces.iter().map(|s| s[0]));
+        curved.map(|s| s.0 as usize).max().unwrap_or(0).max(self.planes.len())
+    }
+
+    /// The first primitive of a kind.
+    pub fn first(&self, kind: Kind) -> PrimId {
+        let before = Kind::BOUNDED.iter().take_while(|&&k| k != kind).map(|&k| self.count(k)).sum::<usize>();
+        PrimId(before as u32)
+    }
+
+    /// Kind and index within the kind.
+    #[inline]
+    pub fn locate(&self, prim: PrimId) -> (Kind, usize) {
+        let mut i = prim.0 as usize;
+        for kind in Kind::BOUNDED {
+            let n = self.count(kind);
+            if i < n {
+                return (kind, i);
+            }
+            i -= n;
+        }
+        (Kind::Layer, i)
+    }
+
+    /// The solid a primitive belongs to.
+    #[inline]
+    pub fn owner(&self, prim: PrimId) -> u32 {
+        match self.locate(prim) {
+            (Kind::Triangle, i) => self.triangles.owners[i],
+            (Kind::Sphere, i) => self.spheres.owners[i],
+            (Kind::Cylinder, i) => self.cylinders.owners[i],
+            (Kind::Cuboid, i) => self.cuboids.owners[i],
+            (Kind::Layer, i) => self.layers.owners[i],
+        }
+    }
+
+    /// Bounds of a primitive, µm.
+    pub fn bounds(&self, prim: PrimId) -> Aabb {
+        match self.locate(prim) {
+            (Kind::Triangle, i) => Aabb::around(self.corners(i)),
+            (Kind::Sphere, i) => self.spheres.shapes[i].bounds(),
+            (Kind::Cylinder, i) => self.cylinders.shapes[i].bounds(),
+            (Kind::Cuboid, i) => self.cuboids.shapes[i].bounds(),
+            (Kind::Layer, i) => {
+                let Layer { bottom, top } = self.layers.shapes[i];
+                Aabb { min: DVec3::NEG_INFINITY.with_z(bottom), max: DVec3::INFINITY.with_z(top) }
+            }
+        }
+    }
+
+    /// The faces of a primitive: their surfaces.
+    pub fn faces(&self, prim: PrimId) -> &[SurfaceId] {
+        match self.locate(prim) {
+            (Kind::Triangle, i) => &self.triangles.surfaces[i],
+            (Kind::Sphere, i) => &self.spheres.surfaces[i],
+            (Kind::Cylinder, i) => &self.cylinders.surfaces[i],
+            (Kind::Cuboid, i) => &self.cuboids.surfaces[i],
+            (Kind::Layer, i) => &self.layers.surfaces[i],
+        }
+    }
+
+    /// The plane of a surface, or `None` if it is curved.
+    #[inline]
+    pub fn plane(&self, surface: SurfaceId) -> Option<&Plane> {
+        self.planes.get((surface.0 as usize).wrapping_sub(1))
+    }
+
+    /// The corners of triangle `i`.
+    #[inline]
+    pub fn corners(&self, i: usize) -> [DVec3; 3] {
+        self.triangles.shapes[i].corners.map(|v| self.vertices[v as usize])
+    }
+
+    /// The spheres.
+    pub fn spheres(&self) -> &[Sphere] {
+        &self.spheres.shapes
+    }
+
+    /// The cylinders.
+    pub fn cylinders(&self) -> &[Cylinder] {
+        &self.cylinders.shapes
+    }
+
+    /// The boxes.
+    pub fn cuboids(&self) -> &[Cuboid] {
+        &self.cuboids.shapes
+    }
+
+    /// The layers.
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers.shapes
+    }
+
+    /// Offers the crossings of `query` with one bounded primitive.
+    #[inline]
+    pub fn propose(&self, query: &Query, prim: PrimId, sink: &mut impl Sink) {
+        match self.locate(prim) {
+            (Kind::Triangle, i) => self.propose_triangle(query, i, prim, sink),
+            (Kind::Sphere, i) => self.propose_sphere(query, i, prim, sink),
+            (Kind::Cylinder, i) => self.propose_cylinder(query, i, prim, sink),
+            (Kind::Cuboid, i) => self.propose_cuboid(query, i, prim, sink),
+            (Kind::Layer, _) => {}
+        }
+    }
+
+    /// Offers the crossing with triangle `i`, whose id is `prim`.
+    #[inline]
+    pub fn propose_triangle(&self, query: &Query, i: usize, prim: PrimId, sink: &mut impl Sink) {
+        let Some(met) = meet(&query.shear, &query.ray, self.corners(i)) else { return };
+        let [surface] = self.triangles.surfaces[i];
+        let t = self.planes[surface.0 as usize - 1].distance(&query.ray);
+        // Seen edge-on the plane says little about the distance; the corners bound it.
+        let t = if t >= met.range.0 && t <= met.range.1 { t } else { met.t };
+        if query.admits_plane(t, surface) {
+            sink.offer(t, surface, Crossing { prim, face: 0, enters: met.enters });
+        }
+    }
+
+    /// Offers the crossings with sphere `i`, whose id is `prim`.
+    #[inline]
+    pub fn propose_sphere(&self, query: &Query, i: usize, prim: PrimId, sink: &mut impl Sink) {
+        let [surface] = self.spheres.surfaces[i];
+        let sphere = &self.spheres.shapes[i];
+        let mut offer = |t, enters| {
+            if query.admits(t, surface) {
+                sink.offer(t, surface, Crossing { prim, face: 0, enters });
+            }
+        };
+        if surface == query.last {
+            if let Some(t) = sphere.other_root(&query.ray) {
+                offer(t, false);
+            }
+        } else if let Some((enter, leave)) = sphere.interval(&query.ray) {
+            offer(enter, true);
+            offer(leave, false);
+        }
+    }
+
+    /// Offers the crossings with cylinder `i`, whose id is `prim`.
+    #[inline]
+    pub fn propose_cylinder(&self, query: &Query, i: usize, prim: PrimId, sink: &mut impl Sink) {
+        let surfaces = self.cylinders.surfaces[i];
+        let cylinder = &self.cylinders.shapes[i];
+        let mantle = if surfaces[0] == query.last {
+            cylinder.mantle_interval_from_surface(&query.ray)
+        } else {
+            cylinder.mantle_interval(&query.ray)
+        };
+        let Some((t0, t1)) = mantle else { return };
+        let (mut enter, mut leave) = ((t0, Cylinder::MANTLE), (t1, Cylinder::MANTLE));
+        if cylinder.length.is_finite() {
+            let Some([near, far]) = self.between_ends(query, cylinder, surfaces) else { return };
+            if near.0 > enter.0 {
+                enter = near;
+            }
+            if far.0 < leave.0 {
+                leave = far;
+            }
+        }
+        if enter.0 >= leave.0 {
+            return;
+        }
+        for ((t, face), enters) in [(enter, true), (leave, false)] {
+            let surface = surfaces[usize::from(face)];
+            let admitted = if face == Cylinder::MANTLE { query.admits(t, surface) } else { query.admits_plane(t, surface) };
+            if admitted {
+                sink.offer(t, surface, Crossing { prim, face, enters });
+            }
+        }
+    }
+
+    /// Where the line is between the ends of a cylinder: (distance, face) of entering and leaving.
+    #[inline]
+    fn between_ends(&self, query: &Query, cylinder: &Cylinder, surfaces: [SurfaceId; 3]) -> Option<[(f64, u8); 2]> {
+        let ends = [Cylinder::FIRST_END, Cylinder::SECOND_END];
+        let planes = ends.map(|f| &self.planes[surfaces[usize::from(f)].0 as usize - 1]);
+        let along = query.ray.dir.dot(cylinder.axis);
+        if along == 0.0 || planes[0].normal.dot(query.ray.dir) == 0.0 {
+            let height = (query.ray.origin - cylinder.from).dot(cylinder.axis);
+            let unbounded = [(f64::NEG_INFINITY, ends[0]), (f64::INFINITY, ends[1])];
+            return (height > 0.0 && height < cylinder.length).then_some(unbounded);
+        }
+        let [first, second] = [(planes[0].distance(&query.ray), ends[0]), (planes[1].distance(&query.ray), ends[1])];
+        Some(if along > 0.0 { [first, second] } else { [second, first] })
+    }
+
+    /// Offers the crossings with box `i`, whose id is `prim`.
+    #[inline]
+    pub fn propose_cuboid(&self, query: &Query, i: usize, prim: PrimId, sink: &mut impl Sink) {
+        let Some(interval) = self.cuboids.shapes[i].interval(&query.ray) else { return };
+        for ((t, face), enters) in interval.into_iter().zip([true, false]) {
+            let surface = self.cuboids.surfaces[i][usize::from(face)];
+            if query.admits_plane(t, surface) {
+                sink.offer(t, surface, Crossing { prim, face, enters });
+            }
+        }
+    }
+
+    /// Offers the first (or, for a sink that wants all, every) crossing with an infinite layer.
+    pub fn propose_layers(&self, query: &Query, sink: &mut impl Sink) {
+        let (o, d) = (query.ray.origin.z, query.ray.dir.z);
+        let split = self.levels.partition_point(|l| l.z < o);
+        if d > 0.0 {
+            self.offer_levels(query, self.levels[split..].iter(), sink);
+        } else if d < 0.0 {
+            let ahead = self.levels.partition_point(|l| l.z <= o);
+            self.offer_levels(query, self.levels[..ahead].iter().rev(), sink);
+        }
+    }
+
+    fn offer_levels<'a>(&self, query: &Query, levels: impl Iterator<Item = &'a Level>, sink: &mut impl Sink) {
+        let down = query.ray.dir.z < 0.0;
+        for level in levels {
+            let t = (level.z - query.ray.origin.z) / query.ray.dir.z;
+            if t > query.limit || t > sink.horizon() {
+                break;
+            }
+            if query.admits_plane(t, level.surface) {
+                for &(prim, face) in &level.faces {
+                    let enters = (face == Layer::TOP) == down;
+                    sink.offer(t, level.surface, Crossing { prim, face, enters });
+                }
+            }
+        }
+    }
+
+    /// Outward normal of a face at `p` on it.
+    #[inline]
+    pub fn normal(&self, prim: PrimId, face: u8, p: DVec3) -> DVec3 {
+        match self.locate(prim) {
+            (Kind::Triangle, i) => {
+                let [a, b, c] = self.corners(i);
+                let plane = &self.planes[self.triangles.surfaces[i][0].0 as usize - 1];
+                if (b - a).cross(c - a).dot(plane.normal) < 0.0 { -plane.normal } else { plane.normal }
+            }
+            (Kind::Sphere, i) => self.spheres.shapes[i].normal(p),
+            (Kind::Cylinder, i) => {
+                let c = &self.cylinders.shapes[i];
+                match face {
+                    Cylinder::MANTLE => c.mantle_normal(p),
+                    Cylinder::FIRST_END => self.outward_end(i, face, -c.axis),
+                    _ => self.outward_end(i, face, c.axis),
+                }
+            }
+            (Kind::Cuboid, _) => Cuboid::normal(face),
+            (Kind::Layer, _) => {
+                if face == Layer::TOP {
+                    DVec3::Z
+                } else {
+                    -DVec3::Z
+                }
+            }
+        }
+    }
+
+    /// The stored plane normal of a cylinder's end, turned outwards.
+    fn outward_end(&self, i: usize, face: u8, outward: DVec3) -> DVec3 {
+        let plane = &self.planes[self.cylinders.surfaces[i][usize::from(face)].0 as usize - 1];
+        if plane.normal.dot(outward) < 0.0 { -plane.normal } else { plane.normal }
+    }
+
+    /// `p`, known to lie on the face up to rounding, moved onto it.
+    #[inline]
+    pub fn snap(&self, crossing: Crossing, surface: SurfaceId, p: DVec3) -> DVec3 {
+        if let Some(plane) = self.plane(surface) {
+            return plane.project(p);
+        }
+        match self.locate(crossing.prim) {
+            (Kind::Sphere, i) => self.spheres.shapes[i].snap(p),
+            (Kind::Cylinder, i) => self.cylinders.shapes[i].snap_to_mantle(p),
+            _ => p,
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! What a ray asks of the geometry, and the answer.
+
+use glam::DVec3;
+
+use super::{PrimId, Shear};
+
+/// The identity of a geometric surface: a plane (shared by all faces in it), a sphere, a cylinder's mantle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SurfaceId(pub u32);
+
+impl SurfaceId {
+    /// No surface; orders before all others.
+    pub const NONE: Self = Self(0);
+    /// Orders after all surfaces.
+    pub const LAST: Self = Self(u32::MAX);
+}
+
+/// A half-line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Start, µm.
+    pub origin: DVec3,
+    /// Direction, unit length.
+    pub dir: DVec3,
+}
+
+impl Ray {
+    /// The point at distance `t` µm.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.dir
+    }
+}
+
+/// A place along a ray: total order of crossings.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Order {
+    /// Distance from the origin, µm.
+    pub t: f64,
+    /// Tie-break between surfaces met at one distance.
+    pub surface: SurfaceId,
+}
+
+/// A ray with the part of it that counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Query {
+    /// The ray.
+    pub ray: Ray,
+    /// Crossings count only after this place.
+    pub from: Order,
+    /// Crossings count up to this distance, inclusive, µm.
+    pub limit: f64,
+    /// The surface the origin lies on.
+    pub last: SurfaceId,
+    /// The ray's projection, for triangles.
+    pub shear: Shear,
+}
+
+impl Query {
+    /// A ray that starts in free space: everything at `t >= 0` counts.
+    pub fn new(ray: Ray) -> Self {
+        Self {
+            ray,
+            from: Order { t: 0.0, surface: SurfaceId::NONE },
+            limit: f64::INFINITY,
+            last: SurfaceId::NONE,
+            shear: Shear::new(&ray),
+        }
+    }
+
+    /// A ray that starts on the surface `last`: that surface, and everything at `t <= 0`, does not count.
+    pub fn leaving(ray: Ray, last: SurfaceId) -> Self {
+        Self { from: Order { t: 0.0, surface: SurfaceId::LAST }, last, ..Self::new(ray) }
+    }
+
+    /// Whether a crossing at `t` with the curved `surface` counts.
+    #[inline]
+    pub fn admits(&self, t: f64, surface: SurfaceId) -> bool {
+        t <= self.limit && (t > self.from.t || (t == self.from.t && surface > self.from.surface))
+    }
+
+    /// Whether a crossing at `t` with the plane `surface` counts: a line meets a plane once.
+    #[inline]
+    pub fn admits_plane(&self, t: f64, surface: SurfaceId) -> bool {
+        surface != self.last && self.admits(t, surface)
+    }
+}
+
+/// Who listens to proposed crossings.
+pub trait Sink {
+    /// Takes a crossing into account.
+    fn offer(&mut self, t: f64, surface: SurfaceId, crossing: Crossing);
+    /// Distance up to which proposals still matter, µm.
+    fn horizon(&self) -> f64;
+}
+
+/// One face of one primitive, met by a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Crossing {
+    /// The primitive.
+    pub prim: PrimId,
+    /// Which of its faces.
+    pub face: u8,
+    /// Whether the ray goes into the solid here.
+    pub enters: bool,
+}
+
+/// A crossing with its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Where.
+    pub order: Order,
+    /// What.
+    pub crossing: Crossing,
+}
+
+/// Faces that can coincide at one point and still be told apart; a corner of touching bricks has 8.
+const COINCIDING: usize = 8;
+
+/// The nearest interface of a ray: all crossings at the first (distance, surface) that counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest {
+    order: Order,
+    count: u8,
+    overflow: bool,
+    crossings: [Crossing; COINCIDING],
+}
+
+impl Nearest {
+    const NO_CROSSING: Crossing = Crossing { prim: PrimId(u32::MAX), face: 0, enters: false };
+
+    /// Nothing found yet, up to `limit`.
+    pub fn none(limit: f64) -> Self {
+        Self {
+            order: Order { t: limit, surface: SurfaceId::LAST },
+            count: 0,
+            overflow: false,
+            crossings: [Self::NO_CROSSING; COINCIDING],
+        }
+    }
+
+    /// Adds a coinciding crossing, kept sorted so that the answer does not depend on who proposed first.
+    #[cold]
+    fn insert(&mut self, crossing: Crossing) {
+        let n = usize::from(self.count);
+        let at = self.crossings[..n].partition_point(|c| *c < crossing);
+        if at < n && self.crossings[at] == crossing {
+            return;
+        }
+        if n == COINCIDING {
+            self.overflow = true;
+            return;
+        }
+        self.crossings.copy_within(at..n, at + 1);
+        self.crossings[at] = crossing;
+        self.count += 1;
+    }
+
+    /// Where the interface lies, or `None` if nothing was met.
+    #[inline]
+    pub fn order(&self) -> Option<Order> {
+        (self.count > 0).then_some(self.order)
+    }
+
+    /// The crossings that make up the interface, sorted by primitive.
+    #[inline]
+    pub fn crossings(&self) -> &[Crossing] {
+        &self.crossings[..usize::from(self.count)]
+    }
+
+    /// Whether more faces coincide here than can be told apart.
+    pub fn overflow(&self) -> bool {
+        self.overflow
+    }
+}
+
+impl Sink for Nearest {
+    #[inline]
+    fn offer(&mut self, t: f64, surface: SurfaceId, crossing: Crossing) {
+        let order = Order { t, surface };
+        if order < self.order {
+            self.order = order;
+            self.crossings[0] = crossing;
+            self.count = 1;
+            self.overflow = false;
+        } else if order == self.order {
+            self.insert(crossing);
+        }
+    }
+
+    #[inline]
+    fn horizon(&self) -> f64 {
+        self.order.t
+    }
+}
+
+/// All crossings of a ray up to its limit.
+#[derive(Clone, Debug, Default)]
+pub struct All {
+    hits: Vec<Hit>,
+    limit: f64,
+}
+
+impl All {
+    /// Empties the list for a new query.
+    pub fn restart(&mut self, limit: f64) {
+        self.hits.clear();
+        self.limit = limit;
+    }
+
+    /// The crossings by (distance, surface, primitive), each once.
+    pub fn sorted(&mut self) -> &[Hit] {
+        let key = |h: &Hit| (h.order.surface, h.crossing);
+        self.hits.sort_by(|a, b| a.order.t.total_cmp(&b.order.t).then_with(|| key(a).cmp(&key(b))));
+        self.hits.dedup();
+        &self.hits
+    }
+}
+
+impl Sink for All {
+    fn offer(&mut self, t: f64, surface: SurfaceId, crossing: Crossing) {
+        self.hits.push(Hit { order: Order { t, surface }, crossing });
+    }
+
+    fn horizon(&self) -> f64 {
+        self.limit
+    }
+}

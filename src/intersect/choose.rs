@@ -1,0 +1,164 @@
+//! Which backend works: the only place that tests what was compiled in.
+
+use std::fmt;
+use std::str::FromStr;
+
+#[cfg(has_embree)]
+use super::embree::Embree;
+#[cfg(feature = "obvhs")]
+use super::obvhs::Obvhs;
+use super::proxy::Proxy;
+use super::{Coherence, brute};
+use crate::geometry::{Aabb, All, Nearest, Primitives, Query};
+
+#[cfg(not(any(feature = "embree", feature = "obvhs")))]
+compile_error!("gonio-embree needs a way to intersect rays: enable the feature `embree`, `obvhs` or both");
+
+/// Who intersects rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// Intel Embree, as installed on the machine.
+    Embree,
+    /// The crate obvhs.
+    Obvhs,
+    /// Every primitive is asked.
+    Brute,
+}
+
+impl Backend {
+    /// The backends of this build, fastest first.
+    pub fn available() -> Vec<Self> {
+        let mut out = Vec::new();
+        if cfg!(has_embree) {
+            out.push(Self::Embree);
+        }
+        if cfg!(feature = "obvhs") {
+            out.push(Self::Obvhs);
+        }
+        out.push(Self::Brute);
+        out
+    }
+
+    /// The fastest backend of this build.
+    pub fn auto() -> Self {
+        Self::available()[0]
+    }
+
+    /// Name on the command line and in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Embree => "embree",
+            Self::Obvhs => "obvhs",
+            Self::Brute => "brute",
+        }
+    }
+
+    /// Version of the library behind it, as built; that of this crate for `brute`.
+    pub fn version(self) -> String {
+        match self {
+            #[cfg(has_embree)]
+            Self::Embree => super::embree::header_version(),
+            #[cfg(not(has_embree))]
+            Self::Embree => "not built in".into(),
+            Self::Obvhs => "0.4".into(),
+            Self::Brute => env!("CARGO_PKG_VERSION").into(),
+        }
+    }
+}
+
+impl fmt::Display for Backend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Backend {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "auto" => Ok(Self::auto()),
+            "embree" => Ok(Self::Embree),
+            "obvhs" => Ok(Self::Obvhs),
+            "brute" => Ok(Self::Brute),
+            _ => Err(format!("unknown backend `{s}`: expected auto, embree, obvhs or brute")),
+        }
+    }
+}
+
+/// Why a backend cannot work.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BackendError {
+    /// It is not part of this build.
+    NotBuiltIn(Backend),
+    /// Its library failed.
+    Library(String),
+}
+
+impl fmt::Display for BackendError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotBuiltIn(b) => {
+                let names: Vec<_> = Backend::available().iter().map(|b| b.name()).collect();
+                write!(f, "backend `{b}` is not part of this build, which has {}", names.join(", "))?;
+                match b {
+                    Backend::Embree => {
+                        f.write_str("; apt-get install libembree-dev libclang-dev, then build again")
+                    }
+                    _ => write!(f, "; build with `--features {b}`"),
+                }
+            }
+            Self::Library(why) => f.write_str(why),
+        }
+    }
+}
+
+impl std::error::Error for BackendError {}
+
+/// A built accelerator.
+pub(super) enum Accelerator {
+    #[cfg(has_embree)]
+    Embree(Embree),
+    #[cfg(feature = "obvhs")]
+    Obvhs(Obvhs),
+    Brute,
+}
+
+impl Accelerator {
+    pub fn new(primitives: &std::sync::Arc<Primitives>, domain: Aabb, backend: Backend) -> Result<Self, BackendError> {
+        let proxy = Proxy::new(primitives, domain);
+        match backend {
+            #[cfg(has_embree)]
+            Backend::Embree => Embree::new(primitives, proxy).map(Self::Embree).map_err(BackendError::Library),
+            #[cfg(feature = "obvhs")]
+            Backend::Obvhs => Ok(Self::Obvhs(Obvhs::new(primitives, proxy))),
+            Backend::Brute => {
+                let _ = proxy;
+                Ok(Self::Brute)
+            }
+            #[cfg(not(all(has_embree, feature = "obvhs")))]
+            missing => Err(BackendError::NotBuiltIn(missing)),
+        }
+    }
+
+    pub fn nearest(&self, primitives: &Primitives, queries: &[Query], coherence: Coherence, answers: &mut [Nearest]) {
+        let _ = coherence;
+        match self {
+            #[cfg(has_embree)]
+            Self::Embree(e) => e.nearest(queries, coherence, answers),
+            #[cfg(feature = "obvhs")]
+            Self::Obvhs(o) => o.nearest(primitives, queries, answers),
+            Self::Brute => brute::nearest(primitives, queries, answers),
+        }
+    }
+
+    pub fn all(&self, primitives: &Primitives, query: &Query, found: &mut All) {
+        match self {
+            #[cfg(has_embree)]
+            Self::Embree(e) => e.all(query, found),
+            #[cfg(feature = "obvhs")]
+            Self::Obvhs(o) => o.all(primitives, query, found),
+            Self::Brute => brute::propose(primitives, query, found),
+        }
+    }
+}

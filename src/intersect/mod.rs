@@ -1,0 +1,72 @@
+//! Nearest interfaces of many rays among many primitives.
+//!
+//! A backend holds bounding boxes in single precision and proposes the primitives whose boxes a ray meets;
+//! [`Primitives`] decides in double precision. Boxes are grown by far more than single precision can err
+//! ([`proxy`]), so no backend misses a candidate, and all give the same answer to the last bit.
+//!
+//! Backends: [`embree`] (Intel Embree 3 or 4, found at build time), [`obvhs`] (pure Rust), [`brute`] (asks every
+//! primitive: the slow twin for tests). [`choose`] is the only place that knows which are compiled in.
+
+pub mod brute;
+pub mod choose;
+#[cfg(has_embree)]
+pub mod embree;
+#[cfg(feature = "obvhs")]
+pub mod obvhs;
+pub mod proxy;
+
+use std::sync::Arc;
+
+use crate::geometry::{Aabb, All, Hit, Nearest, Primitives, Query};
+
+use choose::{Accelerator, Backend, BackendError};
+
+/// Whether the rays of a batch run close together: a hint that only changes the speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coherence {
+    /// Neighbours in the batch have neighbouring origins and directions.
+    Coherent,
+    /// They have not.
+    Scattered,
+}
+
+/// The geometry of a sample, ready to be asked.
+pub struct Scene {
+    primitives: Arc<Primitives>,
+    accelerator: Accelerator,
+}
+
+impl Scene {
+    /// Builds the accelerator of `backend`. `domain` bounds all rays (µm); what sticks out of it is never found.
+    ///
+    /// # Errors
+    /// When the backend is not compiled in or its library refuses to work.
+    pub fn new(primitives: Arc<Primitives>, domain: Aabb, backend: Backend) -> Result<Self, BackendError> {
+        let accelerator = Accelerator::new(&primitives, domain, backend)?;
+        Ok(Self { primitives, accelerator })
+    }
+
+    /// The geometry.
+    pub fn primitives(&self) -> &Primitives {
+        &self.primitives
+    }
+
+    /// Finds the nearest interface of each query; `answers` is overwritten.
+    pub fn nearest(&self, queries: &[Query], coherence: Coherence, answers: &mut Vec<Nearest>) {
+        answers.clear();
+        answers.extend(queries.iter().map(|q| {
+            let mut nearest = Nearest::none(q.limit);
+            self.primitives.propose_layers(q, &mut nearest);
+            nearest
+        }));
+        self.accelerator.nearest(&self.primitives, queries, coherence, answers);
+    }
+
+    /// Finds every crossing of `query` up to its limit, in order.
+    pub fn all<'a>(&self, query: &Query, found: &'a mut All) -> &'a [Hit] {
+        found.restart(query.limit);
+        self.primitives.propose_layers(query, found);
+        self.accelerator.all(&self.primitives, query, found);
+        found.sorted()
+    }
+}

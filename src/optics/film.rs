@@ -1,0 +1,250 @@
+//! Plane-parallel film stacks: the characteristic-vector sweep.
+//!
+//! For each polarization the tangential fields (U, V) are carried through the stack from the far side towards
+//! the source; carried that way they follow the growing solution, so nothing cancels and nothing overflows
+//! (their common power of two is kept apart). U = E_y, V = q U for s; U = H_y for p with q = k_z/n²; all wave
+//! numbers in units of 2π/λ. Derivation: Byrnes, arXiv:1603.02720, §2, in the matrix form of Born & Wolf §1.6.2.
+
+use std::f64::consts::TAU;
+
+use super::{C64, Pair, outgoing_root};
+
+/// One layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    /// Complex index.
+    pub index: C64,
+    /// Thickness, in the unit of the wavelength.
+    pub thickness: f64,
+}
+
+/// The direction of a plane wave in the first medium, whose index is real.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incidence {
+    index: f64,
+    /// n cos θ.
+    kz: f64,
+    /// n sin θ, the same in all media.
+    kx: f64,
+    /// Whether `kz` is the better known of the two.
+    grazing: bool,
+}
+
+impl Incidence {
+    /// From the cosine of the angle of incidence, 0..=1.
+    pub fn from_cos(index: f64, cos: f64) -> Self {
+        let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
+        Self { index, kz: index * cos, kx: index * sin, grazing: cos * cos < 0.5 }
+    }
+
+    /// From the tangential wave number n sin θ, 0..=n.
+    pub fn from_kx(index: f64, kx: f64) -> Self {
+        Self { index, kz: ((index - kx) * (index + kx)).sqrt(), kx, grazing: false }
+    }
+
+    /// From the angle of incidence, radians, 0..=π/2.
+    pub fn from_angle(index: f64, angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { index, kz: index * cos, kx: index * sin, grazing: cos * cos < 0.5 }
+    }
+
+    /// Normal wave number k_z in a medium.
+    fn normal(&self, n: C64) -> C64 {
+        if n == C64::new(self.index, 0.0) {
+            return C64::new(self.kz, 0.0);
+        }
+        let n0 = self.index;
+        outgoing_root(if self.grazing {
+            (n - n0) * (n + n0) + self.kz * self.kz
+        } else {
+            (n - self.kx) * (n + self.kx)
+        })
+    }
+}
+
+/// Amplitude coefficients of a stack for one polarization, of the electric field. Reference planes: the first
+/// interface for `r`, the last for `t`, at the same lateral position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Amplitudes {
+    /// Reflection, from the first medium.
+    pub r: C64,
+    /// Transmission, from the first medium.
+    pub t: C64,
+    /// Reflection, from the last medium at the same tangential wave number.
+    pub r_back: C64,
+    /// Transmission, from the last medium.
+    pub t_back: C64,
+    /// |t|² times this is the transmitted share of the power; 0 if nothing travels behind the stack.
+    pub flux_ratio: f64,
+}
+
+impl Amplitudes {
+    /// Reflected share of the power.
+    pub fn reflectance(&self) -> f64 {
+        self.r.norm_sqr()
+    }
+
+    /// Transmitted share of the power; never computed as 1 − R.
+    pub fn transmittance(&self) -> f64 {
+        self.t.norm_sqr() * self.flux_ratio
+    }
+
+    /// Transmission normalised to power: |·|² is the transmittance.
+    pub fn t_power(&self) -> C64 {
+        self.t * self.flux_ratio.sqrt()
+    }
+}
+
+/// Solves `layers` between a transparent first medium and a last one, both polarizations, from both sides.
+///
+/// Numbers reached: see the table in the tests; all cases of `tests/reference/films.json` lie within four times
+/// the change that rounding of the input can cause.
+pub fn solve(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64) -> Pair<Amplitudes> {
+    if layers.is_empty() {
+        return bare(incidence, last);
+    }
+    Pair { s: sweep_both(incidence, layers, last, wavelength, false), p: sweep_both(incidence, layers, last, wavelength, true) }
+}
+
+/// Tangential fields, with their common power of two and the logarithm of the factor left out of them.
+struct Fields {
+    u: C64,
+    v: C64,
+    exponent: i32,
+    log_factor: C64,
+}
+
+fn sweep_both(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64, p: bool) -> Amplitudes {
+    let admittance = |n: C64, kz: C64| if p { kz / (n * n) } else { kz };
+    let first = C64::new(incidence.index, 0.0);
+    let (kz0, kzn) = (incidence.normal(first), incidence.normal(last));
+    let (q0, qn) = (admittance(first, kz0), admittance(last, kzn));
+    let forward = sweep(incidence, layers.iter().rev(), qn, wavelength, p);
+    let back = sweep(incidence, layers.iter(), q0, wavelength, p);
+    let denominator = q0 * forward.u + forward.v;
+    // t of U is 2 q0 t'/(q0 U + V); for the electric field of p, times n0/nN. Kept without the factor kz0, so that
+    // both directions have it.
+    let common = exp_scaled(forward.log_factor, -forward.exponent) * 2.0 / denominator;
+    let common = if p { common / (first * last) } else { common };
+    Amplitudes {
+        r: (q0 * forward.u - forward.v) / denominator,
+        t: kz0 * common,
+        r_back: (qn * back.u - back.v) / (qn * back.u + back.v),
+        t_back: kzn * common,
+        flux_ratio: flux_ratio(kz0.re, last, kzn, p),
+    }
+}
+
+/// Re(n cos θ) (s) or Re(n cos θ*) (p) of the last medium over n cos θ of the first.
+fn flux_ratio(kz0: f64, last: C64, kzn: C64, p: bool) -> f64 {
+    let flux = if p { (last * (kzn / last).conj()).re } else { kzn.re };
+    if kz0 > 0.0 { flux.max(0.0) / kz0 } else { 0.0 }
+}
+
+/// Carries the fields of the outgoing wave behind the last of `layers` to the front of the first.
+fn sweep<'a>(
+    incidence: &Incidence,
+    layers: impl Iterator<Item = &'a Layer>,
+    admittance: C64,
+    wavelength: f64,
+    p: bool,
+) -> Fields {
+    let mut f = Fields { u: C64::ONE, v: admittance, exponent: 0, log_factor: C64::ZERO };
+    for layer in layers {
+        let n2 = layer.index * layer.index;
+        let kz = incidence.normal(layer.index);
+        if kz.im == 0.0 {
+            // Real wave number: plain cosine and sine keep the determinant, hence the flux, at 1.
+            let (c, b, g) = travelling(kz.re, layer.thickness, wavelength);
+            let (b, g) = if p { (b * n2, g / n2) } else { (C64::new(b, 0.0), C64::new(g, 0.0)) };
+            let minus_i = |z: C64| C64::new(z.im, -z.re);
+            (f.u, f.v) = (f.u * c + minus_i(f.v * b), f.v * c + minus_i(f.u * g));
+        } else {
+            let (c, b, g, log_factor) = decaying(kz, layer.thickness, wavelength);
+            let (b, g) = if p { (b * n2, g / n2) } else { (b, g) };
+            (f.u, f.v) = (f.u * c + f.v * b, f.v * c + f.u * g);
+            f.log_factor += log_factor;
+        }
+        rescale(&mut f);
+    }
+    f
+}
+
+/// cos δ, sin δ/k_z, k_z sin δ for a real wave number.
+fn travelling(kz: f64, thickness: f64, wavelength: f64) -> (f64, f64, f64) {
+    let (sin, cos) = reduced_phase(kz * thickness / wavelength).sin_cos();
+    let b = if kz == 0.0 { TAU * thickness / wavelength } else { sin / kz };
+    (cos, b, kz * sin)
+}
+
+/// 2π·turns. Whole turns are dropped only where that helps: below some 100 rad sin and cos are exact enough, and
+/// the reduction would only add its own rounding.
+fn reduced_phase(turns: f64) -> f64 {
+    const MANY: f64 = 16.0;
+    TAU * if turns.abs() > MANY { turns - turns.round() } else { turns }
+}
+
+/// The same times e^{iδ}, with iδ: cos δ e^{iδ}, −i sin δ e^{iδ}/k_z, −i k_z sin δ e^{iδ}.
+fn decaying(kz: C64, thickness: f64, wavelength: f64) -> (C64, C64, C64, C64) {
+    let turns = kz * (thickness / wavelength);
+    let i_delta = C64::new(-TAU * turns.im, reduced_phase(turns.re));
+    // expm1(2iδ): exact for thin layers, −1 for thick ones.
+    let round_trip = expm1(i_delta * 2.0);
+    let half = round_trip * 0.5;
+    let b = if kz == C64::ZERO { C64::new(0.0, -TAU * thickness / wavelength) } else { -half / kz };
+    (half + 1.0, b, -half * kz, i_delta)
+}
+
+/// e^z − 1.
+fn expm1(z: C64) -> C64 {
+    let half_sin = (0.5 * z.im).sin();
+    C64::new(z.re.exp_m1() * z.im.cos() - 2.0 * half_sin * half_sin, z.re.exp() * z.im.sin())
+}
+
+/// Keeps the fields near 1 by an exact power of two.
+fn rescale(f: &mut Fields) {
+    let size = f.u.l1_norm().max(f.v.l1_norm());
+    if !(2f64.powi(-32)..=2f64.powi(32)).contains(&size) && size > 0.0 && size.is_finite() {
+        let exponent = size.log2() as i32;
+        let factor = 2f64.powi(-exponent);
+        f.u *= factor;
+        f.v *= factor;
+        f.exponent += exponent;
+    }
+}
+
+/// e^z 2^exponent without leaving the range before the result does.
+fn exp_scaled(z: C64, exponent: i32) -> C64 {
+    let (sin, cos) = z.im.sin_cos();
+    // Split off a power of two, so that a tiny exponential and a large scale meet in the exponent.
+    let twos = (z.re / std::f64::consts::LN_2).round();
+    let mantissa = (z.re - twos * std::f64::consts::LN_2).exp();
+    let total = f64::from(exponent) + twos;
+    let (a, b) = ((total / 2.0).floor(), (total / 2.0).ceil());
+    let scale = mantissa * 2f64.powf(a.max(-1074.0)) * 2f64.powf(b.max(-1074.0));
+    C64::new(cos, sin) * scale
+}
+
+/// No layer: differences of squares, relatively accurate for nearly equal indices.
+fn bare(incidence: &Incidence, last: C64) -> Pair<Amplitudes> {
+    let n0 = C64::new(incidence.index, 0.0);
+    let (kz0, kzn) = (incidence.normal(n0), incidence.normal(last));
+    let (n0_2, nn_2) = (n0 * n0, last * last);
+    let difference = (n0 - last) * (n0 + last);
+    let (sum_s, sum_p) = (kz0 + kzn, nn_2 * kz0 + n0_2 * kzn);
+    let kx_2 = incidence.kx * incidence.kx;
+    let (r_s, r_p) = if difference == C64::ZERO {
+        (C64::ZERO, C64::ZERO)
+    } else {
+        (difference / (sum_s * sum_s), -difference * (nn_2 * kz0 * kz0 - n0_2 * kx_2) / (sum_p * sum_p))
+    };
+    let one = |r: C64, t: C64, t_back: C64, p: bool| Amplitudes {
+        r,
+        t,
+        r_back: -r,
+        t_back,
+        flux_ratio: flux_ratio(kz0.re, last, kzn, p),
+    };
+    let (t_s, t_p) = (2.0 / sum_s, n0 * last * 2.0 / sum_p);
+    Pair { s: one(r_s, t_s * kz0, t_s * kzn, false), p: one(r_p, t_p * kz0, t_p * kzn, true) }
+}

@@ -1,0 +1,2 @@
+//! gen
+pub mod packing;

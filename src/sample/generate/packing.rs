@@ -1,0 +1,189 @@
+//! Random sequential insertion of equal spheres in a slab.
+
+use std::fmt;
+
+use glam::DVec3;
+use rand::rngs::Xoshiro256PlusPlus;
+use rand::{RngExt, SeedableRng};
+
+/// A packing to make.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Packing {
+    /// Number of spheres.
+    pub count: usize,
+    /// Their radius, µm.
+    pub radius: f64,
+    /// Edge lengths of the slab, µm; centres lie in [−w/2, w/2] × [−d/2, d/2] × [radius, h − radius].
+    pub size: DVec3,
+    /// Whether the slab repeats in x and y.
+    pub periodic: bool,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// Why a packing cannot be made.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PackingError {
+    /// A length is not positive, or a sphere does not fit.
+    DoesNotFit(String),
+    /// No place was found for the next sphere.
+    Jammed {
+        /// Spheres placed so far.
+        placed: usize,
+        /// Volume fraction reached.
+        fraction: f64,
+    },
+}
+
+impl fmt::Display for PackingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DoesNotFit(why) => f.write_str(why),
+            Self::Jammed { placed, fraction } => write!(
+                f,
+                "no room for sphere {} (volume fraction {fraction:.3}): random insertion ends near 0.38; \
+                 use fewer or smaller spheres",
+                placed + 1
+            ),
+        }
+    }
+}
+
+/// Tries per sphere before a packing counts as jammed.
+const TRIES: usize = 200_000;
+
+impl Packing {
+    /// The centres, in order of insertion.
+    ///
+    /// # Errors
+    /// When the spheres do not fit.
+    pub fn centers(&self) -> Result<Vec<DVec3>, PackingError> {
+        self.check()?;
+        let mut grid = Grid::new(self);
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(self.seed);
+        let low = DVec3::new(-0.5 * self.size.x, -0.5 * self.size.y, self.radius);
+        let span = DVec3::new(self.size.x, self.size.y, self.size.z - 2.0 * self.radius);
+        let mut centers = Vec::with_capacity(self.count);
+        while centers.len() < self.count {
+            let free = (0..TRIES)
+                .map(|_| low + span * DVec3::new(rng.random(), rng.random(), rng.random()))
+                .find(|&p| grid.is_free(p, &centers));
+            let Some(p) = free else {
+                return Err(PackingError::Jammed { placed: centers.len(), fraction: self.fraction(centers.len()) });
+            };
+            grid.insert(p, centers.len());
+            centers.push(p);
+        }
+        Ok(centers)
+    }
+
+    /// Part of the slab's volume that `count` spheres fill.
+    pub fn fraction(&self, count: usize) -> f64 {
+        4.0 / 3.0 * std::f64::consts::PI * self.radius.powi(3) * count as f64 / self.size.element_product()
+    }
+
+    fn check(&self) -> Result<(), PackingError> {
+        let fits = |what: &str, ok: bool| if ok { Ok(()) } else { Err(PackingError::DoesNotFit(what.into())) };
+        fits("the radius must be positive", self.radius > 0.0 && self.radius.is_finite())?;
+        fits("the slab's edges must be positive", self.size.min_element() > 0.0 && self.size.is_finite())?;
+        fits("a sphere is thicker than the slab", 2.0 * self.radius <= self.size.z)?;
+        let across = self.size.x.min(self.size.y);
+        fits("a sphere is wider than the repeated slab", !self.periodic || 2.0 * self.radius <= across)?;
+        fits("the spheres have more volume than the slab", self.fraction(self.count) < 1.0)
+    }
+}
+
+/// Cells of at least one diameter: a sphere can only touch those in the 27 cells around it.
+struct Grid<'a> {
+    packing: &'a Packing,
+    cells: [usize; 3],
+    members: Vec<Vec<u32>>,
+}
+
+impl<'a> Grid<'a> {
+    fn new(packing: &'a Packing) -> Self {
+        let most = (packing.count as f64).cbrt().ceil() * 4.0 + 1.0;
+        let cells = (packing.size / (2.0 * packing.radius)).to_array().map(|n| n.clamp(1.0, most) as usize);
+        Self { packing, cells, members: vec![Vec::new(); cells.iter().product()] }
+    }
+
+    fn cell(&self, p: DVec3) -> [usize; 3] {
+        let size = self.packing.size;
+        let from_corner = p + DVec3::new(0.5 * size.x, 0.5 * size.y, 0.0);
+        std::array::from_fn(|i| ((from_corner[i] / size[i] * self.cells[i] as f64) as usize).min(self.cells[i] - 1))
+    }
+
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.cells[1] + y) * self.cells[0] + x
+    }
+
+    fn insert(&mut self, p: DVec3, number: usize) {
+        let at = self.index(self.cell(p));
+        self.members[at].push(number as u32);
+    }
+
+    fn is_free(&self, p: DVec3, centers: &[DVec3]) -> bool {
+        let cell = self.cell(p);
+        let ranges: [Vec<usize>; 3] = std::array::from_fn(|i| self.around(i, cell[i]));
+        for &z in &ranges[2] {
+            for &y in &ranges[1] {
+                for &x in &ranges[0] {
+                    let close = |&n: &u32| self.distance_squared(p, centers[n as usize]) < 4.0 * self.packing.radius.powi(2);
+                    if self.members[self.index([x, y, z])].iter().any(close) {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+
+    /// The cells next to `c` along axis `i`, each once.
+    fn around(&self, i: usize, c: usize) -> Vec<usize> {
+        let n = self.cells[i];
+        let mut out: Vec<usize> = if self.packing.periodic && i < 2 {
+            vec![(c + n - 1) % n, c, (c + 1) % n]
+        } else {
+            (c.saturating_sub(1)..=(c + 1).min(n - 1)).collect()
+        };
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+
+    fn distance_squared(&self, a: DVec3, b: DVec3) -> f64 {
+        let mut d = (a - b).abs();
+        if self.packing.periodic {
+            d.x = d.x.min(self.packing.size.x - d.x);
+            d.y = d.y.min(self.packing.size.y - d.y);
+        }
+        d.length_squared()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spheres_keep_their_distance_across_the_seam() {
+        let packing = Packing { count: 400, radius: 0.5, size: DVec3::new(10.0, 9.0, 8.0), periodic: true, seed: 3 };
+        let centers = packing.centers().unwrap();
+        assert_eq!(centers, packing.centers().unwrap(), "the same seed gives the same packing");
+        let grid = Grid::new(&packing);
+        for (i, &a) in centers.iter().enumerate() {
+            assert!(a.z >= 0.5 && a.z <= 7.5);
+            for &b in &centers[..i] {
+                assert!(grid.distance_squared(a, b) >= 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn impossible_packings_are_refused() {
+        let base = Packing { count: 1000, radius: 0.5, size: DVec3::splat(10.0), periodic: true, seed: 1 };
+        assert!(matches!(Packing { radius: 6.0, ..base }.centers(), Err(PackingError::DoesNotFit(_))));
+        assert!(matches!(Packing { count: 2000, ..base }.centers(), Err(PackingError::DoesNotFit(_))));
+        assert!(matches!(base.centers(), Err(PackingError::Jammed { .. })));
+    }
+}

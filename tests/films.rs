@@ -1,0 +1,59 @@
+//! The film solver against 40-digit truth.
+#![allow(missing_docs)]
+
+use std::collections::BTreeMap;
+
+use gonio_embree::optics::C64;
+use gonio_embree::optics::film::{Incidence, Layer, solve};
+use serde_json::Value;
+
+fn complex(v: &Value) -> C64 {
+    let part = |i: usize| match &v[i] {
+        Value::String(s) => s.parse::<f64>().unwrap(),
+        other => other.as_f64().unwrap(),
+    };
+    C64::new(part(0), part(1))
+}
+
+/// Every case within 4 times the effect of rounding its input, plus 2e-15.
+#[test]
+fn films_match_reference() {
+    let text = std::fs::read_to_string("tests/reference/films.json").unwrap();
+    let file: Value = serde_json::from_str(&text).unwrap();
+    let mut failed = Vec::new();
+    let mut classes: BTreeMap<String, (usize, f64)> = BTreeMap::new();
+    for case in file["cases"].as_array().unwrap() {
+        let n0 = complex(&case["n_first"]).re;
+        let value = case["angle"]["value"].as_f64().unwrap();
+        let incidence = match case["angle"]["kind"].as_str().unwrap() {
+            "cos0" => Incidence::from_cos(n0, value),
+            "kx" => Incidence::from_kx(n0, value),
+            _ => Incidence::from_angle(n0, value.to_radians()),
+        };
+        let once: Vec<Layer> = case["layers"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|l| Layer { index: complex(l), thickness: l[2].as_f64().unwrap() })
+            .collect();
+        let layers = once.repeat(case["repeat"].as_u64().unwrap() as usize);
+        let both = solve(&incidence, &layers, complex(&case["n_last"]), case["wavelength_nm"].as_f64().unwrap());
+        let got = if case["pol"] == "s" { both.s } else { both.p };
+        for (name, x) in [("r", got.r), ("t", got.t), ("r_back", got.r_back), ("t_back", got.t_back)] {
+            let truth = complex(&case[name]);
+            let noise = case["noise_1ulp"][name].as_f64().unwrap();
+            let error = (x - truth).norm();
+            let allowed = 4.0 * noise + 2e-15 * truth.norm().max(1.0);
+            let worst = classes.entry(case["cls"].as_str().unwrap().into()).or_default();
+            worst.0 += 1;
+            worst.1 = worst.1.max(error / allowed);
+            if !(error <= allowed) {
+                failed.push(format!("{} {name}: {x} for {truth}, error {error:e} > {allowed:e}", case["name"]));
+            }
+        }
+    }
+    for (class, (n, worst)) in &classes {
+        println!("{class:20} {n:4} {worst:.3}");
+    }
+    assert!(failed.is_empty(), "{} failed:\n{}", failed.len(), failed.join("\n"));
+}
