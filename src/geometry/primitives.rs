@@ -114,7 +114,7 @@ impl Builder {
     }
 
     /// Gives coincident faces one [`SurfaceId`] and sorts everything into lists. Primitives are numbered by kind
-    /// and, within a kind, in the order they were added. A triangle without area is left out.
+    /// and, within a kind, in the order they were added.
     pub fn finish(self) -> Primitives {
         let mut planes = PlaneSet::default();
         let mut curved = HashMap::new();
@@ -123,10 +123,8 @@ impl Builder {
             match shape {
                 Shape::Triangle(t) => {
                     let corners = t.corners.map(|i| out.vertices[i as usize]);
-                    let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-                    if let Some(normal) = area.try_normalize() {
-                        out.triangles.push(t, [plane_id(planes.add(normal, &corners).0)], owner);
-                    }
+                    let plane = planes.add(triangle_normal(corners), &corners).0;
+                    out.triangles.push(t, [plane_id(plane)], owner);
                 }
                 Shape::Sphere(s) => {
                     let key = [s.center.x, s.center.y, s.center.z, s.radius].map(f64::to_bits);
@@ -158,6 +156,14 @@ impl Builder {
         out.levels = out.collect_levels();
         out
     }
+}
+
+/// The normal of a triangle. One without area still closes its mesh, so it gets some normal across its longest
+/// edge.
+fn triangle_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    let longest = [b - a, c - b, a - c].into_iter().max_by(|p, q| p.length_squared().total_cmp(&q.length_squared()));
+    let along = longest.and_then(DVec3::try_normalize).unwrap_or(DVec3::X);
+    (b - a).cross(c - a).try_normalize().unwrap_or_else(|| along.any_orthonormal_vector())
 }
 
 /// Points of a cylinder's end that fix its plane.

@@ -24,6 +24,12 @@ fn normal_index_squared(n1: f64, cos_i: f64, n2: f64) -> f64 {
     }
 }
 
+/// Cosine of the angle of refraction; `None` in total reflection.
+pub fn refracted_cos(n1: f64, n2: f64, cos_i: f64) -> Option<f64> {
+    let q2_squared = normal_index_squared(n1, cos_i, n2);
+    (q2_squared > 0.0).then(|| q2_squared.sqrt() / n2)
+}
+
 /// Fresnel's coefficients of an interface between media of real index.
 ///
 /// `cos_i` is the cosine of the angle of incidence, 0..=1. Reflection in the form of differences of squares

@@ -45,6 +45,23 @@ impl<const COLUMNS: usize> Jones<COLUMNS> {
         Self { x: self.x.map(|e| e * by.p), y: self.y.map(|e| e * by.s) }
     }
 
+    /// Linearly polarized light of unit power in the first column, along x̂ or along ŷ.
+    pub fn linear(along_x: bool) -> Self {
+        let mut out = Self { x: [C64::ZERO; COLUMNS], y: [C64::ZERO; COLUMNS] };
+        (if along_x { &mut out.x } else { &mut out.y })[0] = C64::ONE;
+        out
+    }
+
+    /// Unpolarized light of given power: the two columns carry half each (with one column: light of that power
+    /// polarized at 45°).
+    pub fn depolarized(power: f64) -> Self {
+        let a = C64::new((0.5 * power).sqrt(), 0.0);
+        let mut out = Self { x: [C64::ZERO; COLUMNS], y: [C64::ZERO; COLUMNS] };
+        out.x[0] = a;
+        out.y[COLUMNS - 1] = a;
+        out
+    }
+
     /// The field with its amplitude multiplied.
     #[inline]
     #[must_use]
@@ -53,18 +70,3 @@ impl<const COLUMNS: usize> Jones<COLUMNS> {
     }
 }
 
-impl Jones<2> {
-    /// Unpolarized light of unit power.
-    pub fn unpolarized() -> Self {
-        let a = C64::new(std::f64::consts::FRAC_1_SQRT_2, 0.0);
-        Self { x: [a, C64::ZERO], y: [C64::ZERO, a] }
-    }
-}
-
-impl Jones<1> {
-    /// Linearly polarized light of unit power, along x̂ (`p`) or ŷ (`s`).
-    pub fn linear(along_x: bool) -> Self {
-        let [x, y] = if along_x { [C64::ONE, C64::ZERO] } else { [C64::ZERO, C64::ONE] };
-        Self { x: [x], y: [y] }
-    }
-}

@@ -1,2 +1,57 @@
-//! gen
+//! Samples made by rule: each a `[[generate]]` kind of the sample file and a `generate` sub-command.
+//!
+//! To add one: a file with its parameters and the objects they make, and an arm in [`Generate`].
+
+pub mod bricks;
 pub mod packing;
+
+use glam::DVec2;
+
+use super::description::{Object, Patch};
+use super::problem::suggestion;
+use super::reader::Table;
+use bricks::Bricks;
+use packing::SpherePacking;
+
+/// A `[[generate]]` table.
+#[derive(Clone, Debug)]
+pub enum Generate {
+    /// Interlocking bricks with cores.
+    Bricks(Bricks),
+    /// Spheres by random insertion.
+    Packing(SpherePacking),
+}
+
+const KINDS: [&str; 2] = ["bricks", "packing"];
+
+impl Generate {
+    /// Reads the table; `None` if something is wrong, which has been noted.
+    pub fn read(t: &Table<'_>) -> Option<Self> {
+        match t.text("kind").or_else(|| t.missing_if_absent("kind", "\"bricks\""))? {
+            "bricks" => Bricks::read(t).map(Self::Bricks),
+            "packing" => SpherePacking::read(t).map(Self::Packing),
+            other => {
+                let hint = suggestion(other, KINDS);
+                t.complain(format!("unknown kind `{other}`{hint}; known: {}", KINDS.join(", ")));
+                None
+            }
+        }
+    }
+
+    /// The footprint that goes with it, if the sample file gives none.
+    pub fn patch(&self) -> Option<Patch> {
+        let size = match self {
+            Self::Bricks(b) => DVec2::from_array(b.patch()),
+            Self::Packing(p) => p.packing.size.truncate(),
+        };
+        Some(Patch { size, center: DVec2::ZERO })
+    }
+
+    /// What it makes; problems are noted at the table.
+    pub fn objects(&self, t: &Table<'_>) -> Option<Vec<Object>> {
+        match self {
+            Self::Bricks(b) => Some(b.objects(t.place())),
+            Self::Packing(p) => p.objects(t.place()).map_err(|e| t.complain(e.to_string())).ok(),
+        }
+    }
+}

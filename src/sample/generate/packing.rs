@@ -3,6 +3,10 @@
 use std::fmt;
 
 use glam::DVec3;
+
+use super::super::description::{Body, Fill, Object, Shape, read_fill};
+use super::super::problem::Place;
+use super::super::reader::Table;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 
@@ -90,6 +94,62 @@ impl Packing {
         let across = self.size.x.min(self.size.y);
         fits("a sphere is wider than the repeated slab", !self.periodic || 2.0 * self.radius <= across)?;
         fits("the spheres have more volume than the slab", self.fraction(self.count) < 1.0)
+    }
+}
+
+/// A packing with what its spheres are made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpherePacking {
+    /// Where the spheres lie, if the slab stood on z = 0.
+    pub packing: Packing,
+    /// Height of the slab's lower face, µm.
+    pub bottom: f64,
+    /// Material.
+    pub fill: Fill,
+    /// Priority of the spheres.
+    pub priority: i32,
+}
+
+impl SpherePacking {
+    /// Reads a `[[generate]]` table.
+    pub(super) fn read(t: &Table<'_>) -> Option<Self> {
+        let radius = t.positive_length("radius").or_else(|| t.missing_if_absent("radius", "0.5"));
+        let size = t.point("size").or_else(|| t.missing_if_absent("size", "[20, 20, 10]"));
+        let count = t.integer("count", 1..20_000_001);
+        let fraction = t.number("fraction");
+        let seed = t.integer("seed", 0..i64::MAX).unwrap_or(1) as u64;
+        let periodic = t.boolean("periodic").unwrap_or(true);
+        let bottom = t.length("bottom").unwrap_or(0.0);
+        let priority = t.integer("priority", -1_000_000..1_000_001).unwrap_or(0) as i32;
+        let fill = read_fill(t);
+        let mut packing = Packing { count: 0, radius: radius?, size: size?, periodic, seed };
+        packing.count = match (count, fraction) {
+            (Some(n), None) => n as usize,
+            (None, Some(f)) if f > 0.0 && f < 1.0 => (f / packing.fraction(1)).round() as usize,
+            _ => {
+                t.complain("expected either `count`, such as 1000, or `fraction`, the share of the volume from 0 to 1");
+                return None;
+            }
+        };
+        Some(Self { packing, bottom, fill: fill?, priority })
+    }
+
+    /// The spheres.
+    ///
+    /// # Errors
+    /// When they do not fit.
+    pub fn objects(&self, place: &Place) -> Result<Vec<Object>, PackingError> {
+        let sphere = |(i, center): (usize, DVec3)| Object {
+            name: format!("sphere {}", i + 1),
+            body: Body::Solid(
+                Shape::Sphere { center: center + DVec3::Z * self.bottom, radius: self.packing.radius },
+                self.fill.clone(),
+            ),
+            priority: self.priority,
+            nesting: 0,
+            place: place.clone(),
+        };
+        Ok(self.packing.centers()?.into_iter().enumerate().map(sphere).collect())
     }
 }
 

@@ -1,0 +1,147 @@
+//! The result: spectral BRDF and BTDF with standard errors, and the energy ledger.
+
+use crate::dome::{Estimate, Facet, Leaf, Measurement, Rule};
+use crate::light::{Incidence, Light};
+use crate::plan::Plan;
+
+/// Bidirectional scattering distribution function of a sample under a light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bsdf {
+    /// Vacuum wavelengths, nm.
+    pub wavelength_nm: Vec<f64>,
+    /// One entry per incidence.
+    pub incidences: Vec<Scattering>,
+}
+
+/// What one incidence gave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scattering {
+    /// Direction towards the source.
+    pub incidence: Incidence,
+    /// Trees traced.
+    pub trees: u64,
+    /// Segments traced.
+    pub segments: u64,
+    /// Where the incident power went, per wavelength.
+    pub ledger: Ledger,
+    /// The facets of the adaptive dome, without the deltas. They cover the sphere once.
+    pub facets: Vec<FacetValue>,
+}
+
+/// Shares of the incident power per wavelength. `reflected + transmitted + absorbed + side + lost = 1`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Upwards; contains `specular`.
+    pub reflected: Vec<Estimate>,
+    /// Downwards; contains `undeflected`.
+    pub transmitted: Vec<Estimate>,
+    /// In the sample.
+    pub absorbed: Vec<Estimate>,
+    /// Guided sideways.
+    pub side: Vec<Estimate>,
+    /// In the mirror direction, exactly.
+    pub specular: Vec<Estimate>,
+    /// Straight through, exactly.
+    pub undeflected: Vec<Estimate>,
+    /// Lost because media contradicted themselves.
+    pub lost_medium: Vec<Estimate>,
+    /// Lost beyond the depth limit.
+    pub lost_depth: Vec<Estimate>,
+    /// Lost to numbers.
+    pub lost_numeric: Vec<Estimate>,
+}
+
+impl Ledger {
+    /// Names and entries, in a fixed order.
+    pub fn entries(&self) -> [(&'static str, &Vec<Estimate>); 9] {
+        [
+            ("reflected", &self.reflected),
+            ("transmitted", &self.transmitted),
+            ("absorbed", &self.absorbed),
+            ("side", &self.side),
+            ("specular", &self.specular),
+            ("undeflected", &self.undeflected),
+            ("lost_medium", &self.lost_medium),
+            ("lost_depth", &self.lost_depth),
+            ("lost_numeric", &self.lost_numeric),
+        ]
+    }
+
+    /// The same, to be changed.
+    pub fn entries_mut(&mut self) -> [(&'static str, &mut Vec<Estimate>); 9] {
+        [
+            ("reflected", &mut self.reflected),
+            ("transmitted", &mut self.transmitted),
+            ("absorbed", &mut self.absorbed),
+            ("side", &mut self.side),
+            ("specular", &mut self.specular),
+            ("undeflected", &mut self.undeflected),
+            ("lost_medium", &mut self.lost_medium),
+            ("lost_depth", &mut self.lost_depth),
+            ("lost_numeric", &mut self.lost_numeric),
+        ]
+    }
+
+    /// All losses, per wavelength.
+    pub fn lost(&self) -> Vec<f64> {
+        let kinds = [&self.lost_medium, &self.lost_depth, &self.lost_numeric];
+        (0..self.reflected.len()).map(|w| kinds.iter().map(|k| k[w].value).sum()).collect()
+    }
+
+    /// What the entries add up to, per wavelength: 1 but for rounding.
+    pub fn sum(&self) -> Vec<f64> {
+        let kept = [&self.reflected, &self.transmitted, &self.absorbed, &self.side];
+        let sum = |w: usize| kept.iter().map(|k| k[w].value).sum::<f64>();
+        self.lost().iter().enumerate().map(|(w, lost)| sum(w) + lost).collect()
+    }
+}
+
+/// The value of one facet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FacetValue {
+    /// Which.
+    pub facet: Facet,
+    /// Trees that hit it; below [`crate::dome::RESOLVED`] its standard error means little.
+    pub trees: u64,
+    /// BRDF (facets above the horizon) or BTDF (below), per wavelength, 1/sr: flux in the facet over incident
+    /// flux and projected solid angle.
+    pub value: Vec<Estimate>,
+}
+
+impl Scattering {
+    /// From what the dome measured. Wavelengths that shared a lane get the same numbers.
+    pub fn new(incidence: Incidence, measurement: &Measurement, plan: &Plan, rule: &Rule) -> Self {
+        let spread = |term: usize| plan.lane_of.iter().map(|&lane| measurement.term(term, lane)).collect();
+        let mut ledger = Ledger::default();
+        for (term, (_, entry)) in ledger.entries_mut().into_iter().enumerate() {
+            *entry = spread(term);
+        }
+        let facets = measurement.leaves(rule).into_iter().map(|leaf| FacetValue::new(&leaf, &plan.lane_of)).collect();
+        Self { incidence, trees: measurement.trees(), segments: measurement.segments(), ledger, facets }
+    }
+}
+
+impl FacetValue {
+    fn new(leaf: &Leaf, lane_of: &[usize]) -> Self {
+        let angle = leaf.facet.projected_solid_angle();
+        let per_steradian = |e: Estimate| Estimate { value: e.value / angle, se: e.se / angle };
+        let value = lane_of.iter().map(|&lane| per_steradian(leaf.power[lane])).collect();
+        Self { facet: leaf.facet, trees: leaf.trees, value }
+    }
+}
+
+impl Bsdf {
+    /// From one measurement per incidence of the light.
+    pub fn new(light: &Light, measurements: &[Measurement], plan: &Plan, rule: &Rule) -> Self {
+        let scatterings = light.incidences.iter().zip(measurements);
+        Self {
+            wavelength_nm: light.wavelengths.nm().to_vec(),
+            incidences: scatterings.map(|(&i, m)| Scattering::new(i, m, plan, rule)).collect(),
+        }
+    }
+
+    /// The largest share of the power lost at any incidence and wavelength.
+    pub fn largest_loss(&self) -> f64 {
+        self.incidences.iter().flat_map(|s| s.ledger.lost()).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,202 @@
+//! The adaptive dome: facets merged where nothing distinguishes them.
+
+use super::geodesic::Facet;
+use super::statistics::{Estimate, Measurement};
+
+/// Facets hit by fewer trees have no standard error worth the name: "unresolved", not exact.
+pub const RESOLVED: u64 = 20;
+
+/// When the four parts of a facet are told apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// Chance that parts of equal radiance are told apart by noise, over all wavelengths.
+    pub false_alarm: f64,
+    /// A facet hit by fewer trees is never divided.
+    pub fewest_trees: u64,
+}
+
+impl Default for Rule {
+    fn default() -> Self {
+        Self { false_alarm: 0.05, fewest_trees: RESOLVED }
+    }
+}
+
+/// A facet of the adaptive dome.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Leaf {
+    /// Which.
+    pub facet: Facet,
+    /// Trees that hit it.
+    pub trees: u64,
+    /// Share of the incident power per lane.
+    pub power: Vec<Estimate>,
+}
+
+impl Measurement {
+    /// The facets of the adaptive dome: they cover the sphere once, from level 1 on (so that none sees both
+    /// sides), ascending along the dome.
+    pub fn leaves(&self, rule: &Rule) -> Vec<Leaf> {
+        let z = critical(rule.false_alarm / (4 * self.lanes()) as f64, self.batches());
+        let mut leaves = Vec::new();
+        for facet in Facet::all(self.finest().min(1)) {
+            self.refine(facet, rule, z, &mut leaves);
+        }
+        leaves
+    }
+
+    /// Adds `facet`, or its parts, to `leaves`; says whether it was added whole.
+    fn refine(&self, facet: Facet, rule: &Rule, z: f64, leaves: &mut Vec<Leaf>) -> bool {
+        let first = leaves.len();
+        let divisible = facet.level < self.finest() && self.facet_trees(facet) >= rule.fewest_trees;
+        if divisible {
+            let whole = facet.children().map(|c| self.refine(c, rule, z, leaves));
+            if whole.contains(&false) || self.parts_differ(facet, z) {
+                return false;
+            }
+        }
+        leaves.truncate(first);
+        let power = (0..self.lanes()).map(|lane| self.facet(facet, lane)).collect();
+        leaves.push(Leaf { facet, trees: self.facet_trees(facet), power });
+        true
+    }
+
+    /// Whether the radiance of some part differs from the mean of all four by more than `z` standard errors.
+    fn parts_differ(&self, facet: Facet, z: f64) -> bool {
+        let parts = facet.children();
+        let angles = parts.map(Facet::projected_solid_angle);
+        let whole: f64 = angles.iter().sum();
+        (0..self.lanes()).any(|lane| {
+            let power = parts.map(|p| self.facet(p, lane));
+            let sum: f64 = power.iter().map(|e| e.value).sum();
+            let noise: f64 = power.iter().map(|e| e.se * e.se).sum();
+            power.iter().zip(angles).any(|(e, angle)| {
+                let share = angle / whole;
+                let own = e.se * e.se;
+                // Of e − share · sum, the parts being independent.
+                let variance = (1.0 - 2.0 * share) * own + share * share * noise;
+                let difference = e.value - share * sum;
+                difference * difference > z * z * variance && difference.abs() > 1e-12 * sum
+            })
+        })
+    }
+}
+
+/// Two-sided critical value of Student's t for `batches` batches (Abramowitz and Stegun 26.7.5, 26.2.23).
+fn critical(false_alarm: f64, batches: usize) -> f64 {
+    let t = (-2.0 * (0.5 * false_alarm).ln()).sqrt();
+    let z = t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+    let nu = (batches as f64 - 1.0).max(1.0);
+    let z2 = z * z;
+    z + z * (z2 + 1.0) / (4.0 * nu) + z * (5.0 * z2 * z2 + 16.0 * z2 + 3.0) / (96.0 * nu * nu)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use rand::rngs::Xoshiro256PlusPlus;
+    use rand::{RngExt, SeedableRng};
+
+    use super::super::{Delta, Detector, Locator, Tally};
+    use super::*;
+    use crate::optics::jones::Jones;
+    use crate::trace::{Detect, Exit, Recorder};
+
+    fn vertical() -> Vec<Delta> {
+        vec![Delta { specular: DVec3::Z, undeflected: vec![DVec3::NEG_Z] }]
+    }
+
+    /// Fills a dome with `batches` × `trees` exits drawn by `sample`.
+    fn fill(batches: usize, trees: u32, mut sample: impl FnMut(&mut Xoshiro256PlusPlus) -> DVec3) -> Measurement {
+        let locator = Locator::new(4);
+        let deltas = vertical();
+        let mut detector = Detector::new(&locator, 1, &deltas);
+        let mut measurement = Measurement::new(1, 4);
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(11);
+        for _ in 0..batches {
+            for tree in 0..trees {
+                let dir = sample(&mut rng);
+                Recorder::<1>::exit(
+                    &mut detector,
+                    &Exit {
+                        tree,
+                        dir,
+                        frame: DVec3::X,
+                        position: DVec3::ZERO,
+                        anchor: DVec3::ZERO,
+                        lengths: &[],
+                        lanes: &[0],
+                        fields: &[Jones::linear(true)],
+                    },
+                );
+            }
+            measurement.add(&Detect::<1>::finish(&mut detector, u64::from(trees)));
+        }
+        measurement
+    }
+
+    fn lambert(rng: &mut Xoshiro256PlusPlus) -> DVec3 {
+        let r2: f64 = rng.random();
+        let (s, c) = (std::f64::consts::TAU * rng.random::<f64>()).sin_cos();
+        DVec3::new(r2.sqrt() * c, r2.sqrt() * s, (1.0 - r2).sqrt())
+    }
+
+    #[test]
+    fn critical_values_are_those_of_student() {
+        // t for 31 degrees of freedom: 2.0395 (5 %), 3.6335 (0.1 %).
+        assert!((critical(0.05, 32) - 2.0395).abs() < 2e-3);
+        assert!((critical(0.001, 32) - 3.6335).abs() < 2e-2);
+    }
+
+    #[test]
+    fn leaves_cover_the_sphere_once() {
+        let m = fill(16, 2000, |rng| {
+            let d = lambert(rng);
+            if rng.random::<f64>() < 0.5 { DVec3::new(0.1 * d.x + 0.5, 0.1 * d.y, 0.7).normalize() } else { d }
+        });
+        let leaves = m.leaves(&Rule::default());
+        let solid: f64 = leaves.iter().map(|l| l.facet.solid_angle()).sum();
+        assert!((solid - 4.0 * std::f64::consts::PI).abs() < 1e-9);
+        let power: f64 = leaves.iter().map(|l| l.power[0].value).sum();
+        assert!((power - 1.0).abs() < 1e-12, "nothing is lost by merging: {power}");
+        let finest = leaves.iter().filter(|l| l.facet.level == 4).count();
+        assert!(finest > 4 && leaves.iter().any(|l| l.facet.level == 1), "fine at the lobe, coarse elsewhere");
+    }
+
+    #[test]
+    fn a_lambertian_stays_coarse_and_a_spike_stays_sharp() {
+        let flat = fill(32, 4000, lambert).leaves(&Rule::default());
+        // 5 % false alarms at each of 40 + 160 + 640 divisions, each of which makes 3 more leaves.
+        assert!(flat.len() < 80 + 3 * 100, "{}", flat.len());
+        let spike = fill(32, 100, |_| DVec3::new(0.3, 0.2, 0.8).normalize()).leaves(&Rule::default());
+        assert!(spike.iter().any(|l| l.facet.level == 4 && l.power[0] == Estimate { value: 1.0, se: 0.0 }));
+    }
+
+    #[test]
+    fn the_whole_is_the_sum_of_its_batches_in_any_grouping() {
+        let locator = Locator::new(3);
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
+        let tallies: Vec<Tally> = (0..6)
+            .map(|_| {
+                let deltas = vertical();
+                let mut d = Detector::new(&locator, 1, &deltas);
+                for tree in 0..50 {
+                    let (lanes, fields) = ([0], [Jones::<1>::linear(true)]);
+                    let (frame, zero) = (DVec3::X, DVec3::ZERO);
+                    let dir = lambert(&mut rng);
+                    d.exit(&Exit { tree, dir, frame, position: zero, anchor: zero, lengths: &[], lanes: &lanes, fields: &fields });
+                }
+                Detect::<1>::finish(&mut d, 50)
+            })
+            .collect();
+        let sum = |order: &[usize]| {
+            let mut t = Tally::new(1);
+            order.iter().for_each(|&i| t.merge(&tallies[i]));
+            t
+        };
+        // Powers of 1 add exactly, so any order gives the same bits.
+        assert_eq!(sum(&[0, 1, 2, 3, 4, 5]), sum(&[5, 3, 1, 0, 2, 4]));
+        let mut halves = sum(&[0, 1, 2]);
+        halves.merge(&sum(&[3, 4, 5]));
+        assert_eq!(halves, sum(&[0, 1, 2, 3, 4, 5]));
+    }
+}

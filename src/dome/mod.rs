@@ -1,0 +1,16 @@
+//! The detector: a geodesic dome around the sample.
+//!
+//! Power that leaves is added up per facet of the finest level, sparsely. After each batch (an independent
+//! scramble of the entry points) the sums go up the tree of facets with their squares, so that every facet of
+//! every level has a mean and a standard error. Only then are facets merged that do not differ: the result does
+//! not depend on the order of events, and parts measured elsewhere merge by addition.
+
+mod geodesic;
+mod leaves;
+mod statistics;
+mod tally;
+
+pub use geodesic::{FINEST_LEVEL, Facet, Locator, count};
+pub use leaves::{Leaf, RESOLVED, Rule};
+pub use statistics::{Estimate, Measurement};
+pub use tally::{Delta, Detector, Tally};

@@ -1,0 +1,116 @@
+//! Which of many boxes overlap: a uniform grid.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, I64Vec3};
+
+use super::Aabb;
+
+/// Boxes that reach over more cells than this are compared with all others instead.
+const MANY_CELLS: i64 = 64;
+
+/// A grid over boxes.
+pub struct Pairs<'a> {
+    boxes: &'a [Aabb],
+    size: DVec3,
+    cells: HashMap<I64Vec3, Vec<u32>>,
+    large: Vec<u32>,
+}
+
+impl<'a> Pairs<'a> {
+    /// Sorts boxes into cells of about their median size. Empty boxes are left out.
+    pub fn new(boxes: &'a [Aabb]) -> Self {
+        let mut edges: Vec<f64> = boxes.iter().map(|b| b.size().max_element()).filter(|e| e.is_finite() && *e > 0.0).collect();
+        edges.sort_by(f64::total_cmp);
+        let size = DVec3::splat(edges.get(edges.len() / 2).copied().unwrap_or(1.0));
+        let mut grid = Self { boxes, size, cells: HashMap::new(), large: Vec::new() };
+        for (i, b) in boxes.iter().enumerate() {
+            match grid.range(b) {
+                Some(cells) => cells.for_each(|c| grid.cells.entry(c).or_default().push(i as u32)),
+                None if !b.is_empty() => grid.large.push(i as u32),
+                None => {}
+            }
+        }
+        grid
+    }
+
+    /// The cells a box reaches, or `None` if it is empty or they are too many.
+    fn range(&self, b: &Aabb) -> Option<impl Iterator<Item = I64Vec3> + use<>> {
+        let (low, high) = ((b.min / self.size).floor(), (b.max / self.size).floor());
+        let count = (high - low + 1.0).element_product();
+        if b.is_empty() || !(count <= MANY_CELLS as f64) || low.abs().max_element() > 1e15 {
+            return None;
+        }
+        let (low, high) = (low.as_i64vec3(), high.as_i64vec3());
+        Some((low.z..=high.z).flat_map(move |z| {
+            (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| I64Vec3::new(x, y, z)))
+        }))
+    }
+
+    /// Calls `visit` for every box that overlaps `b` (touching counts), possibly more than once.
+    pub fn overlapping(&self, b: &Aabb, mut visit: impl FnMut(usize)) {
+        if b.is_empty() {
+            return;
+        }
+        let mut offer = |i: u32| {
+            if self.boxes[i as usize].overlaps(*b) {
+                visit(i as usize);
+            }
+        };
+        match self.range(b) {
+            Some(cells) => {
+                for cell in cells {
+                    self.cells.get(&cell).into_iter().flatten().copied().for_each(&mut offer);
+                }
+                self.large.iter().copied().for_each(offer);
+            }
+            None => (0..self.boxes.len() as u32).for_each(offer),
+        }
+    }
+
+    /// Every pair of different boxes that overlap, once, the smaller number first.
+    pub fn all(&self) -> Vec<(usize, usize)> {
+        let mut pairs = Vec::new();
+        for (i, b) in self.boxes.iter().enumerate() {
+            let first = pairs.len();
+            self.overlapping(b, |j| {
+                if j > i {
+                    pairs.push((i, j));
+                }
+            });
+            pairs[first..].sort_unstable();
+        }
+        pairs.dedup();
+        pairs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::rngs::Xoshiro256PlusPlus;
+    use rand::{RngExt, SeedableRng};
+
+    #[test]
+    fn finds_the_pairs_that_comparing_all_finds() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut random = |scale: f64| DVec3::from_array(std::array::from_fn(|_| scale * rng.random::<f64>()));
+        let mut boxes: Vec<Aabb> = (0..300)
+            .map(|i| {
+                let min = random(10.0);
+                Aabb { min, max: min + random(if i % 50 == 0 { 20.0 } else { 1.0 }) }
+            })
+            .collect();
+        boxes.push(Aabb::EMPTY);
+        boxes.push(Aabb::INFINITE);
+        let mut expected = Vec::new();
+        for i in 0..boxes.len() {
+            for j in i + 1..boxes.len() {
+                if boxes[i].overlaps(boxes[j]) && !boxes[i].is_empty() && !boxes[j].is_empty() {
+                    expected.push((i, j));
+                }
+            }
+        }
+        assert!(Pairs::new(&boxes).all() == expected);
+    }
+}

@@ -1,0 +1,148 @@
+//! Which effects a sample and a light call for: immutable, printable, made before any ray is cast.
+
+pub mod stacks;
+
+use crate::light::{Light, Polarization};
+use crate::sample::{Matter, MediumId, Sample};
+use stacks::Marks;
+
+/// An effect with the reason why it is simulated, or not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effect {
+    /// Name in results.
+    pub name: &'static str,
+    /// Whether it is simulated.
+    pub on: bool,
+    /// Why.
+    pub reason: String,
+    /// Bound of what leaving it out would change; 0 is a proof that it changes nothing.
+    pub bound: f64,
+}
+
+/// How far rays are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Interfaces a ray may meet; beyond, its power counts as lost.
+    pub depth: u32,
+    /// Footprints a ray may walk sideways; beyond, its power has left through the side.
+    pub walk: f64,
+    /// At how many interfaces of a tree both branches are followed.
+    pub splits: u32,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { depth: 10_000, walk: 100.0, splits: 1 }
+    }
+}
+
+/// Who decides which effects are simulated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wanted {
+    /// Those that can matter.
+    #[default]
+    Auto,
+    /// Every one.
+    All,
+}
+
+/// What is simulated.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The effects, in a fixed order.
+    pub effects: Vec<Effect>,
+    /// Wavelengths that are traced: a number in the grid each. Others are equal to one of them.
+    pub lanes: Vec<usize>,
+    /// For each wavelength of the grid, its lane.
+    pub lane_of: Vec<usize>,
+    /// Lanes that start together on one ray.
+    pub bundles: Vec<Vec<u16>>,
+    /// Faces where films may begin.
+    pub marks: Marks,
+    /// Mutually incoherent states a ray carries: 1 for linearly polarized light, else 2.
+    pub columns: usize,
+    /// Difference of optical paths up to which films are coherent, µm.
+    pub coherence_length: f64,
+    /// How far rays are followed.
+    pub limits: Limits,
+}
+
+impl Plan {
+    /// Plans the simulation of `sample` under `light`.
+    pub fn new(sample: &Sample, light: &Light, limits: Limits, wanted: Wanted) -> Self {
+        let shortest = light.wavelengths.nm()[0] / 1e3;
+        let coherence_length = light.coherence_length();
+        let marks = Marks::new(&sample.primitives, sample.cell.reach, shortest);
+        let count = light.wavelengths.len();
+        let all = wanted == Wanted::All;
+        let dispersion = dispersion(sample, all);
+        let interference = interference(&marks, all);
+        let absorption = absorption(sample, all);
+        let depolarizes = sample.solids.iter().any(|s| matches!(s.matter, Matter::Diffuse(_)));
+        let differ = dispersion.on || interference.on || absorption.on;
+        // Where nothing depends on the wavelength, one stands for all.
+        let (lanes, lane_of) = if differ { ((0..count).collect(), (0..count).collect()) } else { (vec![0], vec![0; count]) };
+        let together: Vec<u16> = (0..lanes.len() as u16).collect();
+        let bundles = if dispersion.on { together.iter().map(|&l| vec![l]).collect() } else { vec![together] };
+        let columns = if light.polarization == Polarization::Unpolarized || depolarizes || all { 2 } else { 1 };
+        let effects = vec![interference, polarization(), phase(), dispersion, absorption];
+        Self { effects, lanes, lane_of, bundles, marks, columns, coherence_length, limits }
+    }
+}
+
+fn interference(marks: &Marks, all: bool) -> Effect {
+    let (on, reason, bound) = if marks.any() {
+        (true, "some faces have a parallel neighbour within the coherence length", 1.0)
+    } else {
+        (all, "no two faces are parallel within the coherence length", 0.0)
+    };
+    Effect { name: "interference", on, reason: reason.into(), bound }
+}
+
+fn polarization() -> Effect {
+    let reason = "fields are followed as Jones matrices".into();
+    Effect { name: "polarization", on: true, reason, bound: 1.0 }
+}
+
+fn phase() -> Effect {
+    let reason = "films are solved with phase; all other sums are of intensities".into();
+    Effect { name: "phase", on: false, reason, bound: 0.0 }
+}
+
+/// Media in which light travels (not only as films; a film too thick for one is a body).
+fn travelled(sample: &Sample) -> impl Iterator<Item = MediumId> + '_ {
+    let of_solids = sample.solids.iter().filter_map(|s| match s.matter {
+        Matter::Medium(id) => Some(id),
+        _ => None,
+    });
+    of_solids.chain([sample.above, sample.below])
+}
+
+fn dispersion(sample: &Sample, all: bool) -> Effect {
+    let table = |id: MediumId| &sample.media[usize::from(id.0)];
+    let spread = |id: MediumId| {
+        let n = table(id).index.iter().map(|n| n.re);
+        n.clone().fold(f64::MIN, f64::max) - n.fold(f64::MAX, f64::min)
+    };
+    let worst = travelled(sample).map(|id| (spread(id), id)).max_by(|a, b| a.0.total_cmp(&b.0));
+    match worst {
+        Some((spread, id)) if spread > 0.0 => {
+            let reason = format!("the index of `{}` varies by {spread:.4}; one ray per wavelength", table(id).name);
+            Effect { name: "dispersion", on: true, reason, bound: spread }
+        }
+        _ => Effect { name: "dispersion", on: all, reason: "no index depends on the wavelength".into(), bound: 0.0 },
+    }
+}
+
+fn absorption(sample: &Sample, all: bool) -> Effect {
+    let largest = travelled(sample)
+        .flat_map(|id| sample.media[usize::from(id.0)].index.iter().map(|n| n.im))
+        .fold(0.0, f64::max);
+    let opaque = sample.solids.iter().any(|s| !matches!(s.matter, Matter::Medium(_)));
+    let (on, reason) = match (largest > 0.0, opaque) {
+        (true, _) => (true, format!("k is up to {largest}")),
+        (false, true) => (true, "opaque surfaces absorb what they do not reflect".into()),
+        (false, false) => (all, "no medium absorbs".into()),
+    };
+    Effect { name: "absorption", on, reason, bound: if largest > 0.0 || opaque { 1.0 } else { 0.0 } }
+}

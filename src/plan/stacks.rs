@@ -1,0 +1,295 @@
+//! Which faces have a nearly parallel neighbour: only rays that meet such a face look for films.
+
+use glam::{DVec2, DVec3};
+
+use crate::geometry::{Aabb, Cuboid, Cylinder, Kind, Layer, Pairs, PrimId, Primitives, Sphere, SurfaceId};
+
+/// Cosine of the largest angle between the faces of a film: 1e-3 rad.
+pub const PARALLEL: f64 = 1.0 - 0.5e-6;
+/// The same angle, radians.
+const TILT: f64 = 1e-3;
+
+/// A bit per face, per primitive.
+#[derive(Clone, Debug, Default)]
+pub struct Marks {
+    bits: Vec<u8>,
+    any: bool,
+}
+
+impl Marks {
+    /// Finds all faces with a nearly parallel neighbour within `reach` µm along their normal. A superset:
+    /// whether there is a film at a point is decided there. `wavelength` (µm) is the smallest spot that counts.
+    pub fn new(primitives: &Primitives, reach: f64, wavelength: f64) -> Self {
+        let mut marks = Self { bits: vec![0; primitives.len()], any: false };
+        if reach > 0.0 {
+            marks.mark_layers(primitives, reach);
+            marks.mark_bounded(primitives, reach, wavelength);
+        }
+        marks
+    }
+
+    /// Whether a film may begin at this face.
+    #[inline]
+    pub fn marked(&self, prim: PrimId, face: u8) -> bool {
+        self.bits[prim.0 as usize] >> face & 1 == 1
+    }
+
+    /// Whether a film may begin anywhere.
+    pub fn any(&self) -> bool {
+        self.any
+    }
+
+    fn set(&mut self, prim: PrimId, face: u8) {
+        self.bits[prim.0 as usize] |= 1 << face;
+        self.any = true;
+    }
+
+    /// Infinite layers among themselves: neighbours in height.
+    fn mark_layers(&mut self, primitives: &Primitives, reach: f64) {
+        let first = primitives.bounded_count() as u32;
+        let mut levels: Vec<(f64, PrimId, u8)> = Vec::new();
+        for (i, layer) in primitives.layers().iter().enumerate() {
+            let id = PrimId(first + i as u32);
+            let ends = [(layer.bottom, id, Layer::BOTTOM), (layer.top, id, Layer::TOP)];
+            levels.extend(ends.into_iter().filter(|l| l.0.is_finite()));
+        }
+        levels.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (i, &(z, prim, face)) in levels.iter().enumerate() {
+            let below = levels[..i].iter().rev().find(|l| l.0 < z);
+            let above = levels[i..].iter().find(|l| l.0 > z);
+            if [below, above].into_iter().flatten().any(|l| (l.0 - z).abs() <= reach) {
+                self.set(prim, face);
+            }
+        }
+    }
+
+    fn mark_bounded(&mut self, primitives: &Primitives, reach: f64, wavelength: f64) {
+        let count = primitives.bounded_count() as u32;
+        let boxes: Vec<Aabb> = (0..count).map(|i| primitives.bounds(PrimId(i))).collect();
+        let pairs = Pairs::new(&boxes);
+        let layers: Vec<PrimId> = (count..primitives.len() as u32).map(PrimId).collect();
+        for i in 0..count {
+            let prim = PrimId(i);
+            for face in faces(primitives, prim) {
+                let seen = face.seen_along_normal(reach);
+                let mut parallel = false;
+                pairs.overlapping(&seen, |j| {
+                    parallel |= faces(primitives, PrimId(j as u32)).any(|other| face.parallel_to(&other, reach, wavelength));
+                });
+                for &layer in &layers {
+                    if faces(primitives, layer).any(|other| face.parallel_to(&other, reach, wavelength)) {
+                        parallel = true;
+                        let near = |l: &Face| face.parallel_to(l, reach, wavelength);
+                        for other in faces(primitives, layer).filter(near) {
+                            self.set(layer, other.number);
+                        }
+                    }
+                }
+                if parallel {
+                    self.set(prim, face.number);
+                }
+            }
+        }
+    }
+}
+
+/// A face with its form.
+struct Face {
+    prim: PrimId,
+    number: u8,
+    surface: SurfaceId,
+    form: Form,
+}
+
+enum Form {
+    Planar { normal: DVec3, outline: Vec<DVec3> },
+    /// z = height, everywhere.
+    Level(f64),
+    Sphere(Sphere),
+    Mantle(Cylinder),
+}
+
+fn faces(primitives: &Primitives, prim: PrimId) -> impl Iterator<Item = Face> {
+    let surfaces = primitives.faces(prim);
+    let mut out: Vec<Face> = Vec::with_capacity(surfaces.len());
+    for (number, &surface) in surfaces.iter().enumerate() {
+        if surface == SurfaceId::NONE {
+            continue;
+        }
+        let number = number as u8;
+        let form = match primitives.locate(prim) {
+            (Kind::Triangle, i) => planar(primitives, surface, primitives.corners(i).to_vec()),
+            (Kind::Sphere, i) => Form::Sphere(primitives.spheres()[i]),
+            (Kind::Cylinder, i) => {
+                let c = primitives.cylinders()[i];
+                if number == Cylinder::MANTLE { Form::Mantle(c) } else { planar(primitives, surface, end(&c, number)) }
+            }
+            (Kind::Cuboid, i) => planar(primitives, surface, rectangle(&primitives.cuboids()[i], number)),
+            (Kind::Layer, i) => {
+                let l = primitives.layers()[i];
+                Form::Level(if number == Layer::TOP { l.top } else { l.bottom })
+            }
+        };
+        out.push(Face { prim, number, surface, form });
+    }
+    out.into_iter()
+}
+
+fn planar(primitives: &Primitives, surface: SurfaceId, outline: Vec<DVec3>) -> Form {
+    let normal = primitives.plane(surface).map_or(DVec3::Z, |p| p.normal);
+    Form::Planar { normal, outline }
+}
+
+/// The rectangle around an elliptic end.
+fn end(c: &Cylinder, number: u8) -> Vec<DVec3> {
+    let center = if number == Cylinder::FIRST_END { c.from } else { c.from + c.length * c.axis };
+    let (a, b) = (c.radii[0] * c.u, c.radii[1] * c.v());
+    vec![center - a - b, center + a - b, center + a + b, center - a + b]
+}
+
+fn rectangle(b: &Cuboid, number: u8) -> Vec<DVec3> {
+    let axis = usize::from(number / 2);
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let corner = |p: DVec3, q: DVec3| {
+        let mut c = b.corner(number);
+        (c[i], c[j]) = (p[i], q[j]);
+        c
+    };
+    vec![corner(b.min, b.min), corner(b.max, b.min), corner(b.max, b.max), corner(b.min, b.max)]
+}
+
+impl Face {
+    /// Bounds of what lies within `reach` along the normal, on either side.
+    fn seen_along_normal(&self, reach: f64) -> Aabb {
+        match &self.form {
+            Form::Planar { normal, outline } => {
+                Aabb::around(outline.iter().flat_map(|&p| [p - reach * *normal, p + reach * *normal]))
+            }
+            Form::Level(z) => Aabb {
+                min: DVec3::NEG_INFINITY.with_z(z - reach),
+                max: DVec3::INFINITY.with_z(z + reach),
+            },
+            Form::Sphere(s) => s.bounds().inflate(reach),
+            Form::Mantle(c) => c.bounds().inflate(reach),
+        }
+    }
+
+    fn parallel_to(&self, other: &Self, reach: f64, wavelength: f64) -> bool {
+        if self.surface == other.surface {
+            return false;
+        }
+        match (&self.form, &other.form) {
+            (Form::Planar { normal, outline }, Form::Planar { normal: n, outline: o }) => {
+                normal.dot(*n).abs() >= PARALLEL && gap(*normal, outline, o) <= reach && outlines_overlap(*normal, outline, o)
+            }
+            (Form::Planar { normal, outline }, Form::Level(z)) | (Form::Level(z), Form::Planar { normal, outline }) => {
+                normal.z.abs() >= PARALLEL && outline.iter().any(|p| (p.z - z).abs() <= reach)
+            }
+            (Form::Level(a), Form::Level(b)) => (a - b).abs() <= reach,
+            (Form::Sphere(a), Form::Sphere(b)) => {
+                let concentric = a.center.distance(b.center) <= TILT * a.radius.min(b.radius);
+                concentric && (a.radius - b.radius).abs() <= reach
+            }
+            (Form::Mantle(a), Form::Mantle(b)) => coaxial(a, b, reach),
+            _ => self.prim != other.prim && self.flat_spot().max(other.flat_spot()) >= wavelength && self.touches(other, reach),
+        }
+    }
+
+    /// How far one can go on a curved face until its normal has turned by the allowed tilt, µm.
+    fn flat_spot(&self) -> f64 {
+        match &self.form {
+            Form::Sphere(s) => TILT * s.radius,
+            Form::Mantle(c) => TILT * c.radii[0].max(c.radii[1]).powi(2) / c.radii[0].min(c.radii[1]),
+            _ => 0.0,
+        }
+    }
+
+    fn touches(&self, other: &Self, reach: f64) -> bool {
+        self.seen_along_normal(reach).overlaps(other.seen_along_normal(0.0))
+    }
+}
+
+/// Smallest distance of two nearly parallel faces along the normal of the first, µm.
+fn gap(normal: DVec3, a: &[DVec3], b: &[DVec3]) -> f64 {
+    let range = |points: &[DVec3]| {
+        let heights = points.iter().map(|p| normal.dot(*p));
+        heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
+    };
+    let (a, b) = (range(a), range(b));
+    (a.0 - b.1).max(b.0 - a.1).max(0.0)
+}
+
+/// Whether two convex outlines overlap when seen along `normal`: by separating axes. Touching does not count.
+fn outlines_overlap(normal: DVec3, a: &[DVec3], b: &[DVec3]) -> bool {
+    let (u, v) = normal.any_orthonormal_pair();
+    let flat = |points: &[DVec3]| -> Vec<DVec2> { points.iter().map(|p| DVec2::new(p.dot(u), p.dot(v))).collect() };
+    let (a, b) = (flat(a), flat(b));
+    let separates = |axis: DVec2| {
+        let range = |points: &[DVec2]| {
+            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                (low.min(p.dot(axis)), high.max(p.dot(axis)))
+            })
+        };
+        let (x, y) = (range(&a), range(&b));
+        let slack = 1e-12 * (x.1 - x.0 + y.1 - y.0);
+        x.1 <= y.0 + slack || y.1 <= x.0 + slack
+    };
+    let axes = |p: &[DVec2]| -> Vec<DVec2> { (0..p.len()).map(|i| (p[(i + 1) % p.len()] - p[i]).perp()).collect() };
+    !axes(&a).into_iter().chain(axes(&b)).any(separates)
+}
+
+/// Whether two mantles are shells of one another.
+fn coaxial(a: &Cylinder, b: &Cylinder, reach: f64) -> bool {
+    let between = b.from - a.from;
+    let off_axis = (between - between.dot(a.axis) * a.axis).length();
+    let smallest = a.radii.iter().chain(&b.radii).copied().fold(f64::INFINITY, f64::min);
+    let across = |c: &Cylinder, along: DVec3| {
+        // Half the width of the mantle along a direction.
+        (c.radii[0] * c.u.dot(along)).hypot(c.radii[1] * c.v().dot(along))
+    };
+    let near = [a.u, a.v()].into_iter().any(|d| (across(a, d) - across(b, d)).abs() <= reach);
+    a.axis.dot(b.axis).abs() >= PARALLEL && off_axis <= TILT * smallest && near
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Builder, Shape};
+
+    fn marks(shapes: &[Shape], reach: f64) -> Vec<u8> {
+        let mut builder = Builder::default();
+        for (i, shape) in shapes.iter().enumerate() {
+            builder.add(*shape, i as u32);
+        }
+        let primitives = builder.finish();
+        Marks::new(&primitives, reach, 0.4).bits
+    }
+
+    fn cuboid(min: [f64; 3], max: [f64; 3]) -> Shape {
+        Shape::Cuboid(Cuboid { min: min.into(), max: max.into() })
+    }
+
+    #[test]
+    fn a_plate_marks_its_thin_direction_only() {
+        let plate = cuboid([-5.0, -5.0, 0.0], [5.0, 5.0, 0.2]);
+        assert_eq!(marks(&[plate], 1.0), [0b11_0000]);
+        assert_eq!(marks(&[plate], 0.1), [0]);
+        // Beside it, a plate that does not face it; above it, one that does.
+        let beside = cuboid([8.0, -5.0, 0.0], [18.0, 5.0, 3.0]);
+        assert_eq!(marks(&[plate, beside], 1.0), [0b11_0000, 0]);
+        let above = cuboid([-1.0, -1.0, 0.9], [1.0, 1.0, 5.0]);
+        assert_eq!(marks(&[plate, above], 1.0), [0b11_0000, 0b01_0000]);
+    }
+
+    #[test]
+    fn shells_are_films_and_neighbours_are_not() {
+        let ball = |x: f64, radius| Shape::Sphere(Sphere { center: DVec3::ZERO.with_x(x), radius });
+        assert_eq!(marks(&[ball(0.0, 5.0), ball(0.0, 4.9)], 1.0), [1, 1]);
+        assert_eq!(marks(&[ball(0.0, 5.0), ball(10.0, 5.0)], 1.0), [0, 0]);
+        let layer = |bottom, top| Shape::Layer(Layer { bottom, top });
+        assert_eq!(marks(&[layer(0.0, 0.1), layer(-10.0, 0.0)], 1.0), [0b11, 0b10]);
+        assert_eq!(marks(&[ball(0.0, 5.0), layer(-10.0, -5.1)], 1.0), [0, 0]);
+        // Newton's rings.
+        assert_eq!(marks(&[ball(0.0, 5000.0), layer(-5010.0, -5000.1)], 1.0), [1, 0b10]);
+    }
+}

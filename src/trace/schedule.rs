@@ -1,0 +1,167 @@
+//! Cuts the work into units, hands them to threads, and delivers what they measured in a fixed order: the result
+//! is the same for any number of threads.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, PoisonError, mpsc};
+
+use super::kernel::{Kernel, Tracer, TreeKey};
+use super::random::{Batch, TreeNumbers};
+use super::record::Recorder;
+use crate::light::Light;
+
+/// Trees of a unit: enough that its overhead does not show, few enough that threads stay busy to the end.
+const UNIT: u32 = 8192;
+/// Trees traced together: their rays fit the cache of a core.
+const STREAM: usize = 512;
+/// Units that may be finished before the one to be delivered next.
+const AHEAD: usize = 256;
+
+/// Some consecutive trees of one batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unit {
+    /// The batch.
+    pub batch: Batch,
+    /// Its first tree.
+    pub first: u32,
+    /// How many.
+    pub count: u32,
+}
+
+impl Unit {
+    /// Cuts `trees` trees of a batch into units.
+    pub fn cut(batch: Batch, trees: u32) -> impl Iterator<Item = Self> {
+        (0..trees.div_ceil(UNIT)).map(move |i| Self { batch, first: i * UNIT, count: UNIT.min(trees - i * UNIT) })
+    }
+}
+
+/// A recorder that yields what a unit has put into it.
+pub trait Detect<const C: usize>: Recorder<C> {
+    /// What a unit yields.
+    type Part: Send;
+    /// Prepares for light of this incidence.
+    fn begin(&mut self, incidence: usize);
+    /// Yields what `trees` trees have put in.
+    fn finish(&mut self, trees: u64) -> Self::Part;
+}
+
+/// How often each sequence of media was met as a stack of films.
+pub type StackCounts = BTreeMap<Vec<u16>, u64>;
+
+/// Traces `units` on all threads of `pool`. `detector` makes one recorder per thread; `deliver` gets the parts in
+/// the order of the units, and stops the work by returning `false`.
+pub fn run<const C: usize, D: Detect<C>>(
+    kernel: &Kernel<'_>,
+    light: &Light,
+    units: &[Unit],
+    pool: &rayon::ThreadPool,
+    detector: impl Fn() -> D + Sync,
+    mut deliver: impl FnMut(&Unit, D::Part) -> bool,
+) -> StackCounts {
+    let next = AtomicUsize::new(0);
+    let delivered = Mutex::new(0usize);
+    let progress = Condvar::new();
+    let stacks = Mutex::new(StackCounts::new());
+    let (sender, receiver) = mpsc::channel();
+    let work = |sender: mpsc::Sender<(usize, D::Part)>| {
+        let mut worker = Worker { tracer: Tracer::<C>::new(kernel), detector: detector(), order: Vec::new() };
+        loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let Some(unit) = units.get(i) else { break };
+            let mut done = delivered.lock().unwrap_or_else(PoisonError::into_inner);
+            while i > *done + AHEAD {
+                done = progress.wait(done).unwrap_or_else(PoisonError::into_inner);
+            }
+            drop(done);
+            if sender.send((i, worker.trace(light, unit))).is_err() {
+                break;
+            }
+        }
+        let mut all = stacks.lock().unwrap_or_else(PoisonError::into_inner);
+        for (media, n) in worker.tracer.into_stack_counts() {
+            *all.entry(media).or_default() += n;
+        }
+    };
+    pool.in_place_scope(|scope| {
+        for _ in 0..pool.current_num_threads() {
+            let sender = sender.clone();
+            scope.spawn(|_| work(sender));
+        }
+        drop(sender);
+        let mut waiting = BTreeMap::new();
+        let mut wanted = 0;
+        for (i, part) in receiver {
+            waiting.insert(i, part);
+            while let Some(part) = waiting.remove(&wanted) {
+                let go_on = deliver(&units[wanted], part);
+                wanted += 1;
+                if !go_on {
+                    next.store(units.len(), Ordering::Relaxed);
+                }
+            }
+            *delivered.lock().unwrap_or_else(PoisonError::into_inner) = wanted;
+            progress.notify_all();
+        }
+    });
+    stacks.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+struct Worker<'k, 'a, const C: usize, D> {
+    tracer: Tracer<'k, 'a, C>,
+    detector: D,
+    order: Vec<(u32, TreeNumbers)>,
+}
+
+impl<const C: usize, D: Detect<C>> Worker<'_, '_, C, D> {
+    /// Traces the trees of a unit, neighbours in the footprint together, so that their rays run together.
+    fn trace(&mut self, light: &Light, unit: &Unit) -> D::Part {
+        self.order.clear();
+        self.order.extend((unit.first..unit.first + unit.count).map(|tree| {
+            let numbers = TreeNumbers::new(unit.batch, tree);
+            (morton(numbers.entry), numbers)
+        }));
+        self.order.sort_unstable_by_key(|(place, numbers)| (*place, numbers.key()));
+        let incidence = unit.batch.incidence as usize;
+        self.detector.begin(incidence);
+        for (i, trees) in self.order.chunks(STREAM).enumerate() {
+            let entries = trees.iter().map(|(_, n)| (n.entry, TreeKey { key: n.key(), first: n.first() }));
+            let first = (i * STREAM) as u32;
+            self.tracer.trace(&light.incidences[incidence], light.polarization, first, entries, &mut self.detector);
+        }
+        self.detector.finish(u64::from(unit.count))
+    }
+}
+
+/// Bits of both coordinates interleaved: close numbers are close places.
+fn morton(place: [f64; 2]) -> u32 {
+    let spread = |x: f64| {
+        let x = (x * 65536.0) as u32;
+        let x = (x | x << 8) & 0x00ff_00ff;
+        let x = (x | x << 4) & 0x0f0f_0f0f;
+        let x = (x | x << 2) & 0x3333_3333;
+        (x | x << 1) & 0x5555_5555
+    };
+    spread(place[0]) | spread(place[1]) << 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_fill_a_batch() {
+        let batch = Batch { seed: 1, incidence: 0, scramble: 0 };
+        let units: Vec<Unit> = Unit::cut(batch, 20_000).collect();
+        assert_eq!(units.iter().map(|u| u.count).sum::<u32>(), 20_000);
+        assert!(units.windows(2).all(|w| w[0].first + w[0].count == w[1].first));
+        assert_eq!(Unit::cut(batch, 0).count(), 0);
+    }
+
+    #[test]
+    fn morton_keeps_squares_together() {
+        assert_eq!(morton([0.0, 0.0]), 0);
+        assert_eq!(morton([0.999_999, 0.999_999]), u32::MAX);
+        assert_eq!(morton([0.6, 0.1]) >> 30, 1);
+        assert_eq!(morton([0.1, 0.6]) >> 30, 2);
+    }
+}
