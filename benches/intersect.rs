@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
-use gonio_embree::geometry::{Aabb, Builder, Nearest, Query, Ray, Shape, Sphere};
+use gonio_embree::geometry::{Aabb, Builder, Nearest, Primitives, Query, Ray, Shape, Sphere};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::intersect::{Coherence, Scene};
 use gonio_embree::sample::generate::packing::Packing;
@@ -33,24 +33,24 @@ fn direction(rng: &mut Xoshiro256PlusPlus) -> DVec3 {
     DVec3::new(r * c, r * s, z)
 }
 
-fn scattered() -> Vec<Query> {
+fn scattered(primitives: &Primitives) -> Vec<Query> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
     (0..RAYS)
         .map(|_| {
             let p = DVec3::new(rng.random::<f64>() - 0.5, rng.random::<f64>() - 0.5, 0.2 * rng.random::<f64>());
-            Query::new(Ray { origin: p, dir: direction(&mut rng) })
+            primitives.query(Ray { origin: p, dir: direction(&mut rng) })
         })
         .collect()
 }
 
-fn coherent() -> Vec<Query> {
+fn coherent(primitives: &Primitives) -> Vec<Query> {
     let dir = DVec3::new(0.5, 0.0, -0.75f64.sqrt());
     (0..RAYS as u32)
         .map(|i| {
             // Morton order.
             let part = |k: u32| (0..9).fold(0, |a, b| a | (i >> (2 * b + k) & 1) << b);
             let (x, y) = (f64::from(part(0)) / 512.0 - 0.5, f64::from(part(1)) / 512.0 - 0.5);
-            Query::new(Ray { origin: DVec3::new(x, y, 0.3), dir })
+            primitives.query(Ray { origin: DVec3::new(x, y, 0.3), dir })
         })
         .collect()
 }
@@ -69,15 +69,16 @@ fn rate(mut work: impl FnMut()) -> f64 {
 fn main() {
     let primitives = Arc::new(spheres().finish());
     for (name, queries, coherence) in
-        [("coherent", coherent(), Coherence::Coherent), ("scattered", scattered(), Coherence::Scattered)]
+        [("coherent", coherent(&primitives), Coherence::Coherent), ("scattered", scattered(&primitives), Coherence::Scattered)]
     {
         println!("{name}: Mrays/s, one thread");
         for backend in [Backend::Embree, Backend::Obvhs] {
             let Ok(scene) = Scene::new(primitives.clone(), Aabb::INFINITE, backend) else { continue };
-            let mut answers = Vec::new();
+            let mut answers = vec![Nearest::none(0.0); 1024];
+            let which: Vec<usize> = (0..1024).collect();
             let r = rate(|| {
                 for q in queries.chunks(1024) {
-                    scene.nearest(q, coherence, &mut answers);
+                    scene.nearest(q, &which, coherence, &mut answers);
                     black_box(&answers);
                 }
             });
@@ -88,17 +89,18 @@ fn main() {
 }
 
 #[cfg(has_embree)]
-fn widths(primitives: &Arc<gonio_embree::geometry::Primitives>, queries: &[Query], coherence: Coherence) {
+fn widths(primitives: &Arc<Primitives>, queries: &[Query], coherence: Coherence) {
     use gonio_embree::intersect::embree::{Embree, Width};
     use gonio_embree::intersect::proxy::Proxy;
     let embree = Embree::new(primitives, Proxy::new(primitives, Aabb::INFINITE)).unwrap();
     let mut answers: Vec<Nearest> = Vec::new();
+    let which: Vec<usize> = (0..1024).collect();
     for width in [Width::One, Width::Four, Width::Eight, Width::Sixteen] {
         let r = rate(|| {
             for q in queries.chunks(1024) {
                 answers.clear();
                 answers.extend(q.iter().map(|q| Nearest::none(q.limit)));
-                embree.nearest_by(width, q, coherence, &mut answers);
+                embree.nearest_by(width, q, &which, coherence, &mut answers);
                 black_box(&answers);
             }
         });
@@ -107,4 +109,4 @@ fn widths(primitives: &Arc<gonio_embree::geometry::Primitives>, queries: &[Query
 }
 
 #[cfg(not(has_embree))]
-fn widths(_: &Arc<gonio_embree::geometry::Primitives>, _: &[Query], _: Coherence) {}
+fn widths(_: &Arc<Primitives>, _: &[Query], _: Coherence) {}

@@ -19,5 +19,5 @@ fn main() {
     for (n, e) in i.ledger.entries() { println!("{n:14} {:.6} ± {:.1e}   {:.6} ± {:.1e}", e[0].value, e[0].se, e[8].value, e[8].se); }
     println!("sum-1 {:?}", i.ledger.sum().iter().map(|s| s - 1.0).fold(0.0f64, |a, b| a.max(b.abs())));
     println!("segments/tree {:.2}  facets {}  stacks {:?}", i.segments as f64 / i.trees as f64, i.facets.len(), o.stacks.len());
-    println!("{:.2} s, {:.4} Mtrees/s {:.3} Mseg/s", o.seconds, i.trees as f64 / o.seconds / 1e6, i.segments as f64 / o.seconds / 1e6);
+    println!("{:.2} s ({:.2} tracing), {:.4} Mtrees/s {:.3} Mseg/s", o.seconds, o.tracing_seconds, i.trees as f64 / o.tracing_seconds / 1e6, i.segments as f64 / o.tracing_seconds / 1e6);
 }

@@ -151,7 +151,8 @@ fn ray(case: &Case, aimed: bool, rng: &mut Xoshiro256PlusPlus) -> Ray {
     let size = extent(&case.primitives);
     let target = if aimed { (case.aim)(rng) } else { in_cube(rng) * size };
     let dir = match rng.random_range(0..8) {
-        0 => pick(rng, &[DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z]),
+        // Negated, so that some zeros are negative.
+        0 => pick(rng, &DVec3::AXES) * pick(rng, &[1.0, -1.0]),
         1 => (pick(rng, &DVec3::AXES) + 1e-9 * direction(rng)).normalize(),
         _ => direction(rng),
     };
@@ -206,7 +207,7 @@ fn run(rays_per_case: usize) {
 
 /// A fresh query, or one that goes on from a surface.
 fn query(case: &Case, aimed: bool, rng: &mut Xoshiro256PlusPlus) -> Query {
-    let mut q = Query::new(ray(case, aimed, rng));
+    let mut q = case.primitives.query(ray(case, aimed, rng));
     // Outside its domain a scene answers nothing certain; an endless cylinder goes on there.
     let size = extent(&case.primitives).max_element();
     q.limit = if rng.random_range(0..4) == 0 { size * rng.random::<f64>() * 3.0 } else { 8.0 * size };
@@ -225,7 +226,7 @@ fn compare(case: &Case, brute: &Scene, others: &[Scene], queries: &[Query]) -> u
         assert!(n.dot(q.ray.dir) <= 1e-7 || !c.enters, "{}: normal points inwards", case.name);
         let reflected = q.ray.dir - 2.0 * q.ray.dir.dot(n) * n;
         let ray = Ray { origin: p, dir: reflected.normalize() };
-        leaving.push(Query { limit: q.limit, ..Query::leaving(ray, order.surface) });
+        leaving.push(case.primitives.query_leaving(ray, order.surface).within(q.limit));
     }
     agreed(case, brute, others, &leaving);
     check_all(case, brute, others, &queries[..queries.len().min(256)], case.name != ENDLESS);
@@ -235,11 +236,13 @@ fn compare(case: &Case, brute: &Scene, others: &[Scene], queries: &[Query]) -> u
 
 /// The nearest interfaces, the same from all backends.
 fn agreed(case: &Case, brute: &Scene, others: &[Scene], queries: &[Query]) -> Vec<Nearest> {
-    let (mut expected, mut got) = (Vec::new(), Vec::new());
-    brute.nearest(queries, Coherence::Scattered, &mut expected);
+    let nothing = vec![Nearest::none(0.0); queries.len()];
+    let (mut expected, mut got) = (nothing.clone(), nothing);
+    let which: Vec<usize> = (0..queries.len()).collect();
+    brute.nearest(queries, &which, Coherence::Scattered, &mut expected);
     for scene in others {
         for coherence in [Coherence::Scattered, Coherence::Coherent] {
-            scene.nearest(queries, coherence, &mut got);
+            scene.nearest(queries, &which, coherence, &mut got);
             for ((e, g), q) in expected.iter().zip(&got).zip(queries) {
                 assert_eq!((e.order(), e.crossings()), (g.order(), g.crossings()), "{}: {q:?}", case.name);
             }
@@ -253,7 +256,7 @@ fn check_all(case: &Case, brute: &Scene, others: &[Scene], queries: &[Query], wh
     let (mut a, mut b) = (All::default(), All::default());
     for q in queries {
         let back = 16.0 * extent(&case.primitives).max_element();
-        let far = Query::new(Ray { origin: q.ray.origin - back * q.ray.dir, dir: q.ray.dir });
+        let far = case.primitives.query(Ray { origin: q.ray.origin - back * q.ray.dir, dir: q.ray.dir });
         let q = if whole_lines { &far } else { q };
         let expected = brute.all(q, &mut a);
         if whole_lines {

@@ -98,8 +98,8 @@ mod tests {
 
     use super::super::{Delta, Detector, Locator, Tally};
     use super::*;
-    use crate::optics::jones::Jones;
-    use crate::trace::{Detect, Exit, Recorder};
+    use crate::optics::field::{Field, Stokes};
+    use crate::trace::{Detect, testing};
 
     fn vertical() -> Vec<Delta> {
         vec![Delta { specular: DVec3::Z, undeflected: vec![DVec3::NEG_Z] }]
@@ -115,21 +115,9 @@ mod tests {
         for _ in 0..batches {
             for tree in 0..trees {
                 let dir = sample(&mut rng);
-                Recorder::<1>::exit(
-                    &mut detector,
-                    &Exit {
-                        tree,
-                        dir,
-                        frame: DVec3::X,
-                        position: DVec3::ZERO,
-                        anchor: DVec3::ZERO,
-                        lengths: &[],
-                        lanes: &[0],
-                        fields: &[Jones::linear(true)],
-                    },
-                );
+                testing::exit(&mut detector, tree, dir, Stokes::linear(true));
             }
-            measurement.add(&Detect::<1>::finish(&mut detector, u64::from(trees)));
+            measurement.add(&Detect::<Stokes>::finish(&mut detector, u64::from(trees)));
         }
         measurement
     }
@@ -180,12 +168,9 @@ mod tests {
                 let deltas = vertical();
                 let mut d = Detector::new(&locator, 1, &deltas);
                 for tree in 0..50 {
-                    let (lanes, fields) = ([0], [Jones::<1>::linear(true)]);
-                    let (frame, zero) = (DVec3::X, DVec3::ZERO);
-                    let dir = lambert(&mut rng);
-                    d.exit(&Exit { tree, dir, frame, position: zero, anchor: zero, lengths: &[], lanes: &lanes, fields: &fields });
+                    testing::exit(&mut d, tree, lambert(&mut rng), Stokes::linear(true));
                 }
-                Detect::<1>::finish(&mut d, 50)
+                Detect::<Stokes>::finish(&mut d, 50)
             })
             .collect();
         let sum = |order: &[usize]| {

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::geodesic::{Locator, count};
+use crate::optics::field::Field;
 use crate::trace::{Detect, Exit, Loss, Recorder};
 
 /// Directions in which a flat sample sends all its light: kept apart from the facets.
@@ -201,28 +202,20 @@ fn same(a: DVec3, b: DVec3) -> bool {
     a.distance_squared(b) < SAME_DIRECTION * SAME_DIRECTION
 }
 
-impl<const C: usize> Recorder<C> for Detector<'_> {
-    fn exit(&mut self, exit: &Exit<'_, C>) {
+impl<F: Field> Recorder<F> for Detector<'_> {
+    fn exit(&mut self, exit: &Exit<'_, F>) {
         let up = exit.dir.z > 0.0;
         let specular = up && same(exit.dir, self.delta.specular);
-        let loads = || exit.lanes.iter().zip(exit.fields).map(|(&lane, field)| (usize::from(lane), field.power()));
+        let loads = || exit.loads().map(|(lane, field)| (usize::from(lane), field.power()));
         let total = if up { &mut self.tally.reflected } else { &mut self.tally.transmitted };
         loads().for_each(|(lane, power)| total[lane] += power);
         if specular {
             return loads().for_each(|(lane, power)| self.tally.specular[lane] += power);
         }
-        // All lanes of a ray have one direction, but the straight one may differ between them.
-        let straight = |lane: usize, delta: &Delta| !up && same(exit.dir, delta.undeflected[lane]);
-        let delta = self.delta;
-        if exit.lanes.iter().any(|&lane| straight(usize::from(lane), delta)) {
-            for (lane, power) in loads() {
-                if straight(lane, delta) {
-                    self.tally.undeflected[lane] += power;
-                } else {
-                    self.row(exit.dir, exit.tree)[lane] += power;
-                }
-            }
-            return;
+        // The straight direction may differ between lanes, but only where each has a ray of its own.
+        let straight = |lane: usize| !up && same(exit.dir, self.delta.undeflected[lane]);
+        if loads().next().is_some_and(|(lane, _)| straight(lane)) {
+            return loads().for_each(|(lane, power)| self.tally.undeflected[lane] += power);
         }
         let row = self.row(exit.dir, exit.tree);
         loads().for_each(|(lane, power)| row[lane] += power);
@@ -245,7 +238,7 @@ impl<const C: usize> Recorder<C> for Detector<'_> {
     }
 }
 
-impl<const C: usize> Detect<C> for Detector<'_> {
+impl<F: Field> Detect<F> for Detector<'_> {
     type Part = Tally;
 
     fn begin(&mut self, incidence: usize) {

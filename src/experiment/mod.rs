@@ -9,8 +9,9 @@ use crate::dome::{Delta, Detector, Locator, Measurement, Rule, Tally};
 use crate::intersect::Scene;
 use crate::intersect::choose::{Backend, BackendError};
 use crate::light::{Incidence, Light};
+use crate::optics::field::{Field, Jones, Stokes};
 use crate::optics::fresnel;
-use crate::plan::{Limits, Plan, Wanted};
+use crate::plan::{Limits, Plan, State, Wanted};
 use crate::sample::Sample;
 use crate::trace::{Batch, Kernel, StackCounts, Unit, run};
 
@@ -47,6 +48,8 @@ pub struct Outcome {
     pub stacks: StackCounts,
     /// Wall time, s.
     pub seconds: f64,
+    /// Part of it spent on tracing, s.
+    pub tracing_seconds: f64,
 }
 
 /// How far the work is.
@@ -80,14 +83,15 @@ pub fn measure(
         .build()
         .map_err(|e| BackendError::Library(format!("cannot start {} threads: {e}", settings.threads)))?;
     let kernel = Kernel::new(sample, &scene, &plan, light);
+    let tracing = Instant::now();
     let mut gather = Gather::new(light, &plan, settings, start, watch);
-    let stacks = if plan.columns == 1 {
-        gather.run::<1>(sample, light, settings, &kernel, &pool)
-    } else {
-        gather.run::<2>(sample, light, settings, &kernel, &pool)
+    let stacks = match plan.state {
+        State::Stokes => gather.run::<Stokes>(sample, light, settings, &kernel, &pool),
+        State::Jones => gather.run::<Jones>(sample, light, settings, &kernel, &pool),
     };
+    let tracing_seconds = tracing.elapsed().as_secs_f64();
     let bsdf = Bsdf::new(light, &gather.measurements, &plan, &Rule::default());
-    Ok(Outcome { bsdf, plan, stacks, seconds: start.elapsed().as_secs_f64() })
+    Ok(Outcome { bsdf, plan, stacks, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
 }
 
 /// Puts tallies together in their order: units into batches, batches into measurements.
@@ -117,7 +121,7 @@ impl<W: FnMut(Progress)> Gather<W> {
         }
     }
 
-    fn run<const C: usize>(
+    fn run<F: Field>(
         &mut self,
         sample: &Sample,
         light: &Light,
@@ -129,7 +133,7 @@ impl<W: FnMut(Progress)> Gather<W> {
         let deltas: Vec<Delta> = light.incidences.iter().map(|i| delta(sample, kernel.plan(), i)).collect();
         let units: Vec<Unit> = units(light, settings).collect();
         let make = || Detector::new(&locator, kernel.lanes(), &deltas);
-        run::<C, _>(kernel, light, &units, pool, make, |unit, tally| {
+        run::<F, _>(kernel, light, &units, pool, make, |unit, tally| {
             self.deliver(unit, &tally);
             true
         })
@@ -181,7 +185,7 @@ fn delta(sample: &Sample, plan: &Plan, incidence: &Incidence) -> Delta {
         if n1 == n2 {
             return d;
         }
-        fresnel::refracted_cos(n1, n2, -d.z).map_or(DVec3::ZERO, |cos| (n1 / n2 * d).with_z(-cos))
+        fresnel::refracted_cos(n1, n2, -d.z, fresnel::other_leg(-d.z)).map_or(DVec3::ZERO, |cos| (n1 / n2 * d).with_z(-cos))
     };
     Delta { specular: d.with_z(-d.z), undeflected: plan.lanes.iter().map(straight).collect() }
 }

@@ -36,5 +36,5 @@ pub use pairs::Pairs;
 pub use plane::{COINCIDENT, Plane};
 pub use primitives::{Builder, Kind, PrimId, Primitives, Shape};
 pub use query::{All, Crossing, Hit, Nearest, Order, Query, Ray, Sink, SurfaceId};
-pub use sphere::Sphere;
+pub use sphere::{Chord, Sphere};
 pub use triangle::{Shear, Triangle};

@@ -6,7 +6,9 @@ use glam::DVec3;
 
 use super::plane::PlaneSet;
 use super::triangle::meet;
-use super::{Aabb, Crossing, Cuboid, Cylinder, Layer, Plane, Query, Sink, Sphere, SurfaceId, Triangle};
+use super::{
+    Aabb, Chord, Crossing, Cuboid, Cylinder, Layer, Order, Plane, Query, Ray, Shear, Sink, Sphere, SurfaceId, Triangle,
+};
 
 /// Index of a primitive: triangles first, then spheres, cylinders, cuboids, layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -47,29 +49,39 @@ pub enum Shape {
     Layer(Layer),
 }
 
-/// One list of equal things: shapes, the surfaces of their faces, and who owns them.
+/// One list of equal shapes. What only matters once a shape is met lies apart, so that a sphere is half a cache
+/// line to a ray that passes it.
 #[derive(Clone, Debug)]
 struct List<T, const FACES: usize> {
     shapes: Vec<T>,
-    surfaces: Vec<[SurfaceId; FACES]>,
-    owners: Vec<u32>,
+    tags: Vec<Tag<FACES>>,
+}
+
+/// The surfaces of a shape's faces, and the solid it belongs to.
+#[derive(Clone, Copy, Debug)]
+struct Tag<const FACES: usize> {
+    surfaces: [SurfaceId; FACES],
+    owner: u32,
 }
 
 impl<T, const FACES: usize> Default for List<T, FACES> {
     fn default() -> Self {
-        Self { shapes: Vec::new(), surfaces: Vec::new(), owners: Vec::new() }
+        Self { shapes: Vec::new(), tags: Vec::new() }
     }
 }
 
 impl<T, const FACES: usize> List<T, FACES> {
     fn push(&mut self, shape: T, surfaces: [SurfaceId; FACES], owner: u32) {
         self.shapes.push(shape);
-        self.surfaces.push(surfaces);
-        self.owners.push(owner);
+        self.tags.push(Tag { surfaces, owner });
     }
 
     fn len(&self) -> usize {
         self.shapes.len()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.shapes.is_empty()
     }
 }
 
@@ -128,7 +140,8 @@ impl Builder {
                 }
                 Shape::Sphere(s) => {
                     let key = [s.center.x, s.center.y, s.center.z, s.radius].map(f64::to_bits);
-                    out.spheres.push(s, [curved_id(&mut curved, key.to_vec())], owner);
+                    let surfaces = [curved_id(&mut curved, key.to_vec())];
+                    out.spheres.push(s, surfaces, owner);
                 }
                 Shape::Cylinder(c) => {
                     let v = [c.from, c.axis, c.u].map(|v| v.to_array()).concat();
@@ -136,7 +149,8 @@ impl Builder {
                     let [first, second] = c.ends().map_or([SurfaceId::NONE; 2], |ends| {
                         ends.map(|p| plane_id(planes.add(p.normal, &end_points(&c, &p)).0))
                     });
-                    out.cylinders.push(c, [curved_id(&mut curved, key), first, second], owner);
+                    let surfaces = [curved_id(&mut curved, key), first, second];
+                    out.cylinders.push(c, surfaces, owner);
                 }
                 Shape::Cuboid(b) => {
                     let faces = std::array::from_fn(|f| planes.add(Cuboid::normal(f as u8), &[b.corner(f as u8)]).0);
@@ -186,22 +200,19 @@ fn curved_id(known: &mut HashMap<Vec<u64>, u32>, key: Vec<u64>) -> SurfaceId {
 impl Primitives {
     fn number_curved_surfaces_after_planes(&mut self) {
         let planes = self.planes.len() as u32;
-        for [s] in &mut self.spheres.surfaces {
-            s.0 += planes;
-        }
-        for [mantle, ..] in &mut self.cylinders.surfaces {
-            mantle.0 += planes;
-        }
+        let spheres = self.spheres.tags.iter_mut().map(|t| &mut t.surfaces[0]);
+        let mantles = self.cylinders.tags.iter_mut().map(|t| &mut t.surfaces[0]);
+        spheres.chain(mantles).for_each(|s| s.0 += planes);
     }
 
     /// Moves faces (by less than [`super::COINCIDENT`]) onto the plane they share with others.
     fn settle_on_planes(&mut self) {
         let offset = |s: SurfaceId| self.planes[s.0 as usize - 1].offset;
-        for (b, faces) in self.cuboids.shapes.iter_mut().zip(&self.cuboids.surfaces) {
+        for (b, Tag { surfaces: faces, .. }) in self.cuboids.shapes.iter_mut().zip(&self.cuboids.tags) {
             b.min = DVec3::new(offset(faces[0]), offset(faces[2]), offset(faces[4]));
             b.max = DVec3::new(offset(faces[1]), offset(faces[3]), offset(faces[5]));
         }
-        for (l, faces) in self.layers.shapes.iter_mut().zip(&self.layers.surfaces) {
+        for (l, Tag { surfaces: faces, .. }) in self.layers.shapes.iter_mut().zip(&self.layers.tags) {
             if faces[0] != SurfaceId::NONE {
                 l.bottom = offset(faces[0]);
             }
@@ -213,7 +224,7 @@ impl Primitives {
         let first = self.bounded_count() as u32;
         let mut levels: Vec<Level> = Vec::new();
         let mut known: HashMap<SurfaceId, usize> = HashMap::new();
-        for (i, (layer, surfaces)) in self.layers.shapes.iter().zip(&self.layers.surfaces).enumerate() {
+        for (i, (layer, Tag { surfaces, .. })) in self.layers.shapes.iter().zip(&self.layers.tags).enumerate() {
             for (face, z) in [(Layer::BOTTOM, layer.bottom), (Layer::TOP, layer.top)] {
                 let surface = surfaces[usize::from(face)];
                 if surface == SurfaceId::NONE {
@@ -258,7 +269,7 @@ impl Primitives {
 
     /// Number of distinct surfaces; ids are `1..=surface_count`.
     pub fn surface_count(&self) -> usize {
-        let curved = self.spheres.surfaces.iter().map(|s| s[0]).chain(self.cylinders.surfaces.iter().map(|s| s[0]));
+        let curved = self.spheres.tags.iter().map(|t| t.surfaces[0]).chain(self.cylinders.tags.iter().map(|t| t.surfaces[0]));
         curved.map(|s| s.0 as usize).max().unwrap_or(0).max(self.planes.len())
     }
 
@@ -286,18 +297,18 @@ impl Primitives {
     #[inline]
     pub fn owner(&self, prim: PrimId) -> u32 {
         match self.locate(prim) {
-            (Kind::Triangle, i) => self.triangles.owners[i],
-            (Kind::Sphere, i) => self.spheres.owners[i],
-            (Kind::Cylinder, i) => self.cylinders.owners[i],
-            (Kind::Cuboid, i) => self.cuboids.owners[i],
-            (Kind::Layer, i) => self.layers.owners[i],
+            (Kind::Triangle, i) => self.triangles.tags[i].owner,
+            (Kind::Sphere, i) => self.spheres.tags[i].owner,
+            (Kind::Cylinder, i) => self.cylinders.tags[i].owner,
+            (Kind::Cuboid, i) => self.cuboids.tags[i].owner,
+            (Kind::Layer, i) => self.layers.tags[i].owner,
         }
     }
 
     /// Bounds of a primitive, µm.
     pub fn bounds(&self, prim: PrimId) -> Aabb {
         match self.locate(prim) {
-            (Kind::Triangle, i) => Aabb::around(self.corners(i)),
+            (Kind::Triangle, i) => Aabb::around(self.corners(self.triangles.shapes[i])),
             (Kind::Sphere, i) => self.spheres.shapes[i].bounds(),
             (Kind::Cylinder, i) => self.cylinders.shapes[i].bounds(),
             (Kind::Cuboid, i) => self.cuboids.shapes[i].bounds(),
@@ -311,11 +322,11 @@ impl Primitives {
     /// The faces of a primitive: their surfaces.
     pub fn faces(&self, prim: PrimId) -> &[SurfaceId] {
         match self.locate(prim) {
-            (Kind::Triangle, i) => &self.triangles.surfaces[i],
-            (Kind::Sphere, i) => &self.spheres.surfaces[i],
-            (Kind::Cylinder, i) => &self.cylinders.surfaces[i],
-            (Kind::Cuboid, i) => &self.cuboids.surfaces[i],
-            (Kind::Layer, i) => &self.layers.surfaces[i],
+            (Kind::Triangle, i) => &self.triangles.tags[i].surfaces,
+            (Kind::Sphere, i) => &self.spheres.tags[i].surfaces,
+            (Kind::Cylinder, i) => &self.cylinders.tags[i].surfaces,
+            (Kind::Cuboid, i) => &self.cuboids.tags[i].surfaces,
+            (Kind::Layer, i) => &self.layers.tags[i].surfaces,
         }
     }
 
@@ -325,30 +336,44 @@ impl Primitives {
         self.planes.get((surface.0 as usize).wrapping_sub(1))
     }
 
-    /// The corners of triangle `i`.
+    /// The corners of a triangle.
     #[inline]
-    pub fn corners(&self, i: usize) -> [DVec3; 3] {
-        self.triangles.shapes[i].corners.map(|v| self.vertices[v as usize])
+    pub fn corners(&self, triangle: Triangle) -> [DVec3; 3] {
+        triangle.corners.map(|v| self.vertices[v as usize])
     }
 
-    /// The spheres.
-    pub fn spheres(&self) -> &[Sphere] {
-        &self.spheres.shapes
+    /// The shape of a primitive.
+    pub fn shape(&self, prim: PrimId) -> Shape {
+        match self.locate(prim) {
+            (Kind::Triangle, i) => Shape::Triangle(self.triangles.shapes[i]),
+            (Kind::Sphere, i) => Shape::Sphere(self.spheres.shapes[i]),
+            (Kind::Cylinder, i) => Shape::Cylinder(self.cylinders.shapes[i]),
+            (Kind::Cuboid, i) => Shape::Cuboid(self.cuboids.shapes[i]),
+            (Kind::Layer, i) => Shape::Layer(self.layers.shapes[i]),
+        }
     }
 
-    /// The cylinders.
-    pub fn cylinders(&self) -> &[Cylinder] {
-        &self.cylinders.shapes
+    /// All primitives.
+    pub fn ids(&self) -> impl Iterator<Item = PrimId> + use<> {
+        (0..self.len() as u32).map(PrimId)
     }
 
-    /// The boxes.
-    pub fn cuboids(&self) -> &[Cuboid] {
-        &self.cuboids.shapes
+    /// A ray that starts in free space: everything at `t >= 0` counts.
+    #[inline]
+    pub fn query(&self, ray: Ray) -> Query {
+        Query {
+            ray,
+            from: Order { t: 0.0, surface: SurfaceId::NONE },
+            limit: f64::INFINITY,
+            last: SurfaceId::NONE,
+            shear: if self.triangles.is_empty() { Shear::UNUSED } else { Shear::new(&ray) },
+        }
     }
 
-    /// The layers.
-    pub fn layers(&self) -> &[Layer] {
-        &self.layers.shapes
+    /// A ray that starts on the surface `last`: that surface, and everything at `t <= 0`, does not count.
+    #[inline]
+    pub fn query_leaving(&self, ray: Ray, last: SurfaceId) -> Query {
+        Query { from: Order { t: 0.0, surface: SurfaceId::LAST }, last, ..self.query(ray) }
     }
 
     /// Offers the crossings of `query` with one bounded primitive.
@@ -366,31 +391,35 @@ impl Primitives {
     /// Offers the crossing with triangle `i`, whose id is `prim`.
     #[inline]
     pub fn propose_triangle(&self, query: &Query, i: usize, prim: PrimId, sink: &mut impl Sink) {
-        let Some(met) = meet(&query.shear, &query.ray, self.corners(i)) else { return };
-        let [surface] = self.triangles.surfaces[i];
+        let Some(met) = meet(&query.shear, &query.ray, self.corners(self.triangles.shapes[i])) else { return };
+        let [surface] = self.triangles.tags[i].surfaces;
         let t = self.planes[surface.0 as usize - 1].distance(&query.ray);
         // Seen edge-on the plane says little about the distance; the corners bound it.
         let t = if t >= met.range.0 && t <= met.range.1 { t } else { met.t };
         if query.admits_plane(t, surface) {
-            sink.offer(t, surface, Crossing { prim, face: 0, enters: met.enters });
+            sink.offer(t, surface, Crossing { prim, owner: self.triangles.tags[i].owner, face: 0, enters: met.enters });
         }
     }
 
     /// Offers the crossings with sphere `i`, whose id is `prim`.
     #[inline]
     pub fn propose_sphere(&self, query: &Query, i: usize, prim: PrimId, sink: &mut impl Sink) {
-        let [surface] = self.spheres.surfaces[i];
         let sphere = &self.spheres.shapes[i];
+        let chord = sphere.chord(&query.ray);
+        if chord == Chord::None {
+            return;
+        }
+        let Tag { surfaces: [surface], owner } = self.spheres.tags[i];
         let mut offer = |t, enters| {
             if query.admits(t, surface) {
-                sink.offer(t, surface, Crossing { prim, face: 0, enters });
+                sink.offer(t, surface, Crossing { prim, owner, face: 0, enters });
             }
         };
         if surface == query.last {
             if let Some(t) = sphere.other_root(&query.ray) {
                 offer(t, false);
             }
-        } else if let Some((enter, leave)) = sphere.interval(&query.ray) {
+        } else if let Chord::Through(enter, leave) = chord {
             offer(enter, true);
             offer(leave, false);
         }
@@ -399,8 +428,8 @@ impl Primitives {
     /// Offers the crossings with cylinder `i`, whose id is `prim`.
     #[inline]
     pub fn propose_cylinder(&self, query: &Query, i: usize, prim: PrimId, sink: &mut impl Sink) {
-        let surfaces = self.cylinders.surfaces[i];
         let cylinder = &self.cylinders.shapes[i];
+        let Tag { surfaces, owner } = self.cylinders.tags[i];
         let mantle = if surfaces[0] == query.last {
             cylinder.mantle_interval_from_surface(&query.ray)
         } else {
@@ -424,7 +453,7 @@ impl Primitives {
             let surface = surfaces[usize::from(face)];
             let admitted = if face == Cylinder::MANTLE { query.admits(t, surface) } else { query.admits_plane(t, surface) };
             if admitted {
-                sink.offer(t, surface, Crossing { prim, face, enters });
+                sink.offer(t, surface, Crossing { prim, owner, face, enters });
             }
         }
     }
@@ -449,15 +478,22 @@ impl Primitives {
     pub fn propose_cuboid(&self, query: &Query, i: usize, prim: PrimId, sink: &mut impl Sink) {
         let Some(interval) = self.cuboids.shapes[i].interval(&query.ray) else { return };
         for ((t, face), enters) in interval.into_iter().zip([true, false]) {
-            let surface = self.cuboids.surfaces[i][usize::from(face)];
+            let surface = self.cuboids.tags[i].surfaces[usize::from(face)];
             if query.admits_plane(t, surface) {
-                sink.offer(t, surface, Crossing { prim, face, enters });
+                sink.offer(t, surface, Crossing { prim, owner: self.cuboids.tags[i].owner, face, enters });
             }
         }
     }
 
     /// Offers the first (or, for a sink that wants all, every) crossing with an infinite layer.
+    #[inline]
     pub fn propose_layers(&self, query: &Query, sink: &mut impl Sink) {
+        if !self.levels.is_empty() {
+            self.propose_levels(query, sink);
+        }
+    }
+
+    fn propose_levels(&self, query: &Query, sink: &mut impl Sink) {
         let (o, d) = (query.ray.origin.z, query.ray.dir.z);
         let split = self.levels.partition_point(|l| l.z < o);
         if d > 0.0 {
@@ -478,7 +514,7 @@ impl Primitives {
             if query.admits_plane(t, level.surface) {
                 for &(prim, face) in &level.faces {
                     let enters = (face == Layer::TOP) == down;
-                    sink.offer(t, level.surface, Crossing { prim, face, enters });
+                    sink.offer(t, level.surface, Crossing { prim, owner: self.owner(prim), face, enters });
                 }
             }
         }
@@ -489,8 +525,8 @@ impl Primitives {
     pub fn normal(&self, prim: PrimId, face: u8, p: DVec3) -> DVec3 {
         match self.locate(prim) {
             (Kind::Triangle, i) => {
-                let [a, b, c] = self.corners(i);
-                let plane = &self.planes[self.triangles.surfaces[i][0].0 as usize - 1];
+                let [a, b, c] = self.corners(self.triangles.shapes[i]);
+                let plane = &self.planes[self.triangles.tags[i].surfaces[0].0 as usize - 1];
                 if (b - a).cross(c - a).dot(plane.normal) < 0.0 { -plane.normal } else { plane.normal }
             }
             (Kind::Sphere, i) => self.spheres.shapes[i].normal(p),
@@ -515,8 +551,18 @@ impl Primitives {
 
     /// The stored plane normal of a cylinder's end, turned outwards.
     fn outward_end(&self, i: usize, face: u8, outward: DVec3) -> DVec3 {
-        let plane = &self.planes[self.cylinders.surfaces[i][usize::from(face)].0 as usize - 1];
+        let plane = &self.planes[self.cylinders.tags[i].surfaces[usize::from(face)].0 as usize - 1];
         if plane.normal.dot(outward) < 0.0 { -plane.normal } else { plane.normal }
+    }
+
+    /// The point of a face next to `p`, which is off by rounding only, and the outward normal there.
+    #[inline]
+    pub fn settle(&self, crossing: Crossing, surface: SurfaceId, p: DVec3) -> (DVec3, DVec3) {
+        if let (Kind::Sphere, i) = self.locate(crossing.prim) {
+            return self.spheres.shapes[i].settle(p);
+        }
+        let point = self.snap(crossing, surface, p);
+        (point, self.normal(crossing.prim, crossing.face, point))
     }
 
     /// `p`, known to lie on the face up to rounding, moved onto it.
@@ -526,7 +572,7 @@ impl Primitives {
             return plane.project(p);
         }
         match self.locate(crossing.prim) {
-            (Kind::Sphere, i) => self.spheres.shapes[i].snap(p),
+            (Kind::Sphere, i) => self.spheres.shapes[i].settle(p).0,
             (Kind::Cylinder, i) => self.cylinders.shapes[i].snap_to_mantle(p),
             _ => p,
         }

@@ -40,7 +40,7 @@ pub struct Order {
     pub surface: SurfaceId,
 }
 
-/// A ray with the part of it that counts.
+/// A ray with the part of it that counts; made by [`super::Primitives::query`].
 #[derive(Clone, Copy, Debug)]
 pub struct Query {
     /// The ray.
@@ -51,25 +51,21 @@ pub struct Query {
     pub limit: f64,
     /// The surface the origin lies on.
     pub last: SurfaceId,
-    /// The ray's projection, for triangles.
-    pub shear: Shear,
+    /// The ray's projection, if there are triangles.
+    pub(super) shear: Shear,
 }
 
 impl Query {
-    /// A ray that starts in free space: everything at `t >= 0` counts.
-    pub fn new(ray: Ray) -> Self {
-        Self {
-            ray,
-            from: Order { t: 0.0, surface: SurfaceId::NONE },
-            limit: f64::INFINITY,
-            last: SurfaceId::NONE,
-            shear: Shear::new(&ray),
-        }
+    /// The same ray after a place on it.
+    #[must_use]
+    pub fn after(self, from: Order) -> Self {
+        Self { from, ..self }
     }
 
-    /// A ray that starts on the surface `last`: that surface, and everything at `t <= 0`, does not count.
-    pub fn leaving(ray: Ray, last: SurfaceId) -> Self {
-        Self { from: Order { t: 0.0, surface: SurfaceId::LAST }, last, ..Self::new(ray) }
+    /// The same ray up to a distance, µm.
+    #[must_use]
+    pub fn within(self, limit: f64) -> Self {
+        Self { limit, ..self }
     }
 
     /// Whether a crossing at `t` with the curved `surface` counts.
@@ -98,6 +94,8 @@ pub trait Sink {
 pub struct Crossing {
     /// The primitive.
     pub prim: PrimId,
+    /// The solid it belongs to.
+    pub owner: u32,
     /// Which of its faces.
     pub face: u8,
     /// Whether the ray goes into the solid here.
@@ -126,7 +124,7 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    const NO_CROSSING: Crossing = Crossing { prim: PrimId(u32::MAX), face: 0, enters: false };
+    const NO_CROSSING: Crossing = Crossing { prim: PrimId(u32::MAX), owner: 0, face: 0, enters: false };
 
     /// Nothing found yet, up to `limit`.
     pub fn none(limit: f64) -> Self {
@@ -136,6 +134,14 @@ impl Nearest {
             overflow: false,
             crossings: [Self::NO_CROSSING; COINCIDING],
         }
+    }
+
+    /// Nothing found yet, up to `limit`; what was found before is forgotten.
+    #[inline]
+    pub fn reset(&mut self, limit: f64) {
+        self.order = Order { t: limit, surface: SurfaceId::LAST };
+        self.count = 0;
+        self.overflow = false;
     }
 
     /// Adds a coinciding crossing, kept sorted so that the answer does not depend on who proposed first.

@@ -15,11 +15,14 @@ pub struct Triangle {
 /// that two triangles see the same projected corner, bit for bit (Woop, Benthin and Wald, JCGT 2(1), 2013, §3).
 #[derive(Clone, Copy, Debug)]
 pub struct Shear {
-    along: [usize; 3],
+    along: [u8; 3],
     by: DVec3,
 }
 
 impl Shear {
+    /// Where there are no triangles.
+    pub(super) const UNUSED: Self = Self { along: [0, 1, 2], by: DVec3::ZERO };
+
     /// The map of `ray`.
     #[inline]
     pub fn new(ray: &Ray) -> Self {
@@ -33,14 +36,14 @@ impl Shear {
         };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let inverse = 1.0 / ray.dir[z];
-        Self { along: [x, y, z], by: DVec3::new(ray.dir[x] * inverse, ray.dir[y] * inverse, inverse) }
+        Self { along: [x, y, z].map(|i| i as u8), by: DVec3::new(ray.dir[x] * inverse, ray.dir[y] * inverse, inverse) }
     }
 
     /// Position across and distance along the ray of a corner.
     #[inline]
     fn project(&self, ray: &Ray, corner: DVec3) -> (DVec2, f64) {
         let p = corner - ray.origin;
-        let [x, y, z] = self.along.map(|i| p[i]);
+        let [x, y, z] = self.along.map(|i| p[usize::from(i)]);
         (DVec2::new(x - self.by.x * z, y - self.by.y * z), z * self.by.z)
     }
 }

@@ -141,14 +141,21 @@ impl Accelerator {
         }
     }
 
-    pub fn nearest(&self, primitives: &Primitives, queries: &[Query], coherence: Coherence, answers: &mut [Nearest]) {
+    pub fn nearest(
+        &self,
+        primitives: &Primitives,
+        queries: &[Query],
+        which: &[usize],
+        coherence: Coherence,
+        answers: &mut [Nearest],
+    ) {
         let _ = coherence;
         match self {
             #[cfg(has_embree)]
-            Self::Embree(e) => e.nearest(queries, coherence, answers),
+            Self::Embree(e) => e.nearest(queries, which, coherence, answers),
             #[cfg(feature = "obvhs")]
-            Self::Obvhs(o) => o.nearest(primitives, queries, answers),
-            Self::Brute => brute::nearest(primitives, queries, answers),
+            Self::Obvhs(o) => which.iter().for_each(|&i| o.propose(primitives, &queries[i], &mut answers[i])),
+            Self::Brute => which.iter().for_each(|&i| brute::propose(primitives, &queries[i], &mut answers[i])),
         }
     }
 
@@ -157,7 +164,7 @@ impl Accelerator {
             #[cfg(has_embree)]
             Self::Embree(e) => e.all(query, found),
             #[cfg(feature = "obvhs")]
-            Self::Obvhs(o) => o.all(primitives, query, found),
+            Self::Obvhs(o) => o.propose(primitives, query, found),
             Self::Brute => brute::propose(primitives, query, found),
         }
     }

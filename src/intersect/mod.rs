@@ -51,15 +51,17 @@ impl Scene {
         &self.primitives
     }
 
-    /// Finds the nearest interface of each query; `answers` is overwritten.
-    pub fn nearest(&self, queries: &[Query], coherence: Coherence, answers: &mut Vec<Nearest>) {
-        answers.clear();
-        answers.extend(queries.iter().map(|q| {
-            let mut nearest = Nearest::none(q.limit);
-            self.primitives.propose_layers(q, &mut nearest);
-            nearest
-        }));
-        self.accelerator.nearest(&self.primitives, queries, coherence, answers);
+    /// Finds the nearest interface of the queries whose numbers are in `which`; writes the answers at the same
+    /// numbers.
+    ///
+    /// # Panics
+    /// When a number is out of range.
+    pub fn nearest(&self, queries: &[Query], which: &[usize], coherence: Coherence, answers: &mut [Nearest]) {
+        for &i in which {
+            answers[i].reset(queries[i].limit);
+            self.primitives.propose_layers(&queries[i], &mut answers[i]);
+        }
+        self.accelerator.nearest(&self.primitives, queries, which, coherence, answers);
     }
 
     /// Finds every crossing of `query` up to its limit, in order.

@@ -10,7 +10,7 @@ use obvhs::ray::Ray;
 use obvhs::{BvhBuildParams, traverse};
 
 use super::proxy::Proxy;
-use crate::geometry::{All, Nearest, PrimId, Primitives, Query, Sink};
+use crate::geometry::{PrimId, Primitives, Query, Sink};
 
 /// A built hierarchy.
 pub struct Obvhs {
@@ -31,20 +31,9 @@ impl Obvhs {
         Self { bvh, proxy }
     }
 
-    /// Completes the nearest interfaces of `queries`.
-    pub fn nearest(&self, primitives: &Primitives, queries: &[Query], answers: &mut [Nearest]) {
-        for (query, answer) in queries.iter().zip(answers) {
-            self.propose(primitives, query, answer);
-        }
-    }
-
-    /// Adds every crossing up to the limit of `query`.
-    pub fn all(&self, primitives: &Primitives, query: &Query, found: &mut All) {
-        self.propose(primitives, query, found);
-    }
-
+    /// Offers the crossings of the primitives whose boxes the ray meets.
     #[inline]
-    fn propose(&self, primitives: &Primitives, query: &Query, sink: &mut impl Sink) {
+    pub fn propose(&self, primitives: &Primitives, query: &Query, sink: &mut impl Sink) {
         if self.bvh.nodes.is_empty() {
             return;
         }

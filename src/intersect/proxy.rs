@@ -67,7 +67,8 @@ impl Proxy {
         }
         ProxyRay {
             origin: (from * self.scale).to_array().map(|x| x as f32),
-            dir: ray.dir.to_array().map(|x| x as f32),
+            // + 0.0 turns -0.0 into 0.0: obvhs takes the sign from one and the order of slabs from the other.
+            dir: ray.dir.to_array().map(|x| x as f32 + 0.0),
             skipped,
         }
     }

@@ -2,7 +2,7 @@
 
 pub mod stacks;
 
-use crate::light::{Light, Polarization};
+use crate::light::Light;
 use crate::sample::{Matter, MediumId, Sample};
 use stacks::Marks;
 
@@ -46,6 +46,15 @@ pub enum Wanted {
     All,
 }
 
+/// What rays carry per wavelength.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Stokes vectors: all that intensities need.
+    Stokes,
+    /// Jones matrices: fields with their phase.
+    Jones,
+}
+
 /// What is simulated.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -59,8 +68,8 @@ pub struct Plan {
     pub bundles: Vec<Vec<u16>>,
     /// Faces where films may begin.
     pub marks: Marks,
-    /// Mutually incoherent states a ray carries: 1 for linearly polarized light, else 2.
-    pub columns: usize,
+    /// What rays carry.
+    pub state: State,
     /// Difference of optical paths up to which films are coherent, µm.
     pub coherence_length: f64,
     /// How far rays are followed.
@@ -78,15 +87,15 @@ impl Plan {
         let dispersion = dispersion(sample, all);
         let interference = interference(&marks, all);
         let absorption = absorption(sample, all);
-        let depolarizes = sample.solids.iter().any(|s| matches!(s.matter, Matter::Diffuse(_)));
         let differ = dispersion.on || interference.on || absorption.on;
         // Where nothing depends on the wavelength, one stands for all.
         let (lanes, lane_of) = if differ { ((0..count).collect(), (0..count).collect()) } else { (vec![0], vec![0; count]) };
         let together: Vec<u16> = (0..lanes.len() as u16).collect();
         let bundles = if dispersion.on { together.iter().map(|&l| vec![l]).collect() } else { vec![together] };
-        let columns = if light.polarization == Polarization::Unpolarized || depolarizes || all { 2 } else { 1 };
-        let effects = vec![interference, polarization(), phase(), dispersion, absorption];
-        Self { effects, lanes, lane_of, bundles, marks, columns, coherence_length, limits }
+        let phase = phase(all);
+        let state = if phase.on { State::Jones } else { State::Stokes };
+        let effects = vec![interference, polarization(), phase, dispersion, absorption];
+        Self { effects, lanes, lane_of, bundles, marks, state, coherence_length, limits }
     }
 }
 
@@ -100,13 +109,13 @@ fn interference(marks: &Marks, all: bool) -> Effect {
 }
 
 fn polarization() -> Effect {
-    let reason = "fields are followed as Jones matrices".into();
+    let reason = "every ray carries its state of polarization".into();
     Effect { name: "polarization", on: true, reason, bound: 1.0 }
 }
 
-fn phase() -> Effect {
-    let reason = "films are solved with phase; all other sums are of intensities".into();
-    Effect { name: "phase", on: false, reason, bound: 0.0 }
+fn phase(all: bool) -> Effect {
+    let reason = "films are solved with their phases; rays are summed as intensities and need none".into();
+    Effect { name: "phase", on: all, reason, bound: 0.0 }
 }
 
 /// Media in which light travels (not only as films; a film too thick for one is a body).

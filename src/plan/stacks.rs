@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::geometry::{Aabb, Cuboid, Cylinder, Kind, Layer, Pairs, PrimId, Primitives, Sphere, SurfaceId};
+use crate::geometry::{Aabb, Cuboid, Cylinder, Layer, Pairs, PrimId, Primitives, Shape, Sphere, SurfaceId};
 
 /// Cosine of the largest angle between the faces of a film: 1e-3 rad.
 pub const PARALLEL: f64 = 1.0 - 0.5e-6;
@@ -46,12 +46,12 @@ impl Marks {
 
     /// Infinite layers among themselves: neighbours in height.
     fn mark_layers(&mut self, primitives: &Primitives, reach: f64) {
-        let first = primitives.bounded_count() as u32;
         let mut levels: Vec<(f64, PrimId, u8)> = Vec::new();
-        for (i, layer) in primitives.layers().iter().enumerate() {
-            let id = PrimId(first + i as u32);
-            let ends = [(layer.bottom, id, Layer::BOTTOM), (layer.top, id, Layer::TOP)];
-            levels.extend(ends.into_iter().filter(|l| l.0.is_finite()));
+        for id in primitives.ids() {
+            if let Shape::Layer(layer) = primitives.shape(id) {
+                let ends = [(layer.bottom, id, Layer::BOTTOM), (layer.top, id, Layer::TOP)];
+                levels.extend(ends.into_iter().filter(|l| l.0.is_finite()));
+            }
         }
         levels.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (i, &(z, prim, face)) in levels.iter().enumerate() {
@@ -67,27 +67,22 @@ impl Marks {
         let count = primitives.bounded_count() as u32;
         let boxes: Vec<Aabb> = (0..count).map(|i| primitives.bounds(PrimId(i))).collect();
         let pairs = Pairs::new(&boxes);
-        let layers: Vec<PrimId> = (count..primitives.len() as u32).map(PrimId).collect();
-        for i in 0..count {
-            let prim = PrimId(i);
-            for face in faces(primitives, prim) {
-                let seen = face.seen_along_normal(reach);
-                let mut parallel = false;
-                pairs.overlapping(&seen, |j| {
-                    parallel |= faces(primitives, PrimId(j as u32)).any(|other| face.parallel_to(&other, reach, wavelength));
-                });
-                for &layer in &layers {
-                    if faces(primitives, layer).any(|other| face.parallel_to(&other, reach, wavelength)) {
-                        parallel = true;
-                        let near = |l: &Face| face.parallel_to(l, reach, wavelength);
-                        for other in faces(primitives, layer).filter(near) {
-                            self.set(layer, other.number);
-                        }
-                    }
+        let bounded: Vec<Vec<Face>> = (0..count).map(|i| faces(primitives, PrimId(i)).collect()).collect();
+        let levels = (count..primitives.len() as u32).flat_map(|i| faces(primitives, PrimId(i)));
+        let levels: Vec<Face> = levels.collect();
+        for face in bounded.iter().flatten() {
+            let mut parallel = false;
+            pairs.overlapping(&face.seen(reach, wavelength), |j| {
+                parallel = parallel || bounded[j].iter().any(|other| face.parallel_to(other, reach, wavelength));
+            });
+            if face.may_face_a_level(wavelength) {
+                for level in levels.iter().filter(|l| face.parallel_to(l, reach, wavelength)) {
+                    parallel = true;
+                    self.set(level.prim, level.number);
                 }
-                if parallel {
-                    self.set(prim, face.number);
-                }
+            }
+            if parallel {
+                self.set(face.prim, face.number);
             }
         }
     }
@@ -117,18 +112,13 @@ fn faces(primitives: &Primitives, prim: PrimId) -> impl Iterator<Item = Face> {
             continue;
         }
         let number = number as u8;
-        let form = match primitives.locate(prim) {
-            (Kind::Triangle, i) => planar(primitives, surface, primitives.corners(i).to_vec()),
-            (Kind::Sphere, i) => Form::Sphere(primitives.spheres()[i]),
-            (Kind::Cylinder, i) => {
-                let c = primitives.cylinders()[i];
-                if number == Cylinder::MANTLE { Form::Mantle(c) } else { planar(primitives, surface, end(&c, number)) }
-            }
-            (Kind::Cuboid, i) => planar(primitives, surface, rectangle(&primitives.cuboids()[i], number)),
-            (Kind::Layer, i) => {
-                let l = primitives.layers()[i];
-                Form::Level(if number == Layer::TOP { l.top } else { l.bottom })
-            }
+        let form = match primitives.shape(prim) {
+            Shape::Triangle(t) => planar(primitives, surface, primitives.corners(t).to_vec()),
+            Shape::Sphere(s) => Form::Sphere(s),
+            Shape::Cylinder(c) if number == Cylinder::MANTLE => Form::Mantle(c),
+            Shape::Cylinder(c) => planar(primitives, surface, end(&c, number)),
+            Shape::Cuboid(b) => planar(primitives, surface, rectangle(&b, number)),
+            Shape::Layer(l) => Form::Level(if number == Layer::TOP { l.top } else { l.bottom }),
         };
         out.push(Face { prim, number, surface, form });
     }
@@ -159,19 +149,25 @@ fn rectangle(b: &Cuboid, number: u8) -> Vec<DVec3> {
 }
 
 impl Face {
-    /// Bounds of what lies within `reach` along the normal, on either side.
-    fn seen_along_normal(&self, reach: f64) -> Aabb {
+    /// Bounds of everything that could be parallel to it: what lies within `reach` along the normal on either
+    /// side, or, for a strongly curved face, what could share its centre.
+    fn seen(&self, reach: f64, wavelength: f64) -> Aabb {
         match &self.form {
             Form::Planar { normal, outline } => {
                 Aabb::around(outline.iter().flat_map(|&p| [p - reach * *normal, p + reach * *normal]))
             }
-            Form::Level(z) => Aabb {
-                min: DVec3::NEG_INFINITY.with_z(z - reach),
-                max: DVec3::INFINITY.with_z(z + reach),
-            },
+            Form::Level(z) => Aabb { min: DVec3::NEG_INFINITY.with_z(z - reach), max: DVec3::INFINITY.with_z(z + reach) },
+            Form::Sphere(s) if self.flat_spot() < wavelength => Aabb::around([s.center]),
             Form::Sphere(s) => s.bounds().inflate(reach),
+            Form::Mantle(c) if self.flat_spot() < wavelength && c.length.is_finite() => {
+                Aabb::around([c.from, c.from + c.length * c.axis])
+            }
             Form::Mantle(c) => c.bounds().inflate(reach),
         }
+    }
+
+    fn may_face_a_level(&self, wavelength: f64) -> bool {
+        matches!(&self.form, Form::Planar { normal, .. } if normal.z.abs() >= PARALLEL) || self.flat_spot() >= wavelength
     }
 
     fn parallel_to(&self, other: &Self, reach: f64, wavelength: f64) -> bool {
@@ -191,7 +187,7 @@ impl Face {
                 concentric && (a.radius - b.radius).abs() <= reach
             }
             (Form::Mantle(a), Form::Mantle(b)) => coaxial(a, b, reach),
-            _ => self.prim != other.prim && self.flat_spot().max(other.flat_spot()) >= wavelength && self.touches(other, reach),
+            _ => self.prim != other.prim && self.flat_spot().max(other.flat_spot()) >= wavelength && self.is_near(other, reach),
         }
     }
 
@@ -204,8 +200,8 @@ impl Face {
         }
     }
 
-    fn touches(&self, other: &Self, reach: f64) -> bool {
-        self.seen_along_normal(reach).overlaps(other.seen_along_normal(0.0))
+    fn is_near(&self, other: &Self, reach: f64) -> bool {
+        self.seen(reach, 0.0).overlaps(other.seen(0.0, 0.0))
     }
 }
 
@@ -254,7 +250,7 @@ fn coaxial(a: &Cylinder, b: &Cylinder, reach: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Builder, Shape};
+    use crate::geometry::Builder;
 
     fn marks(shapes: &[Shape], reach: f64) -> Vec<u8> {
         let mut builder = Builder::default();

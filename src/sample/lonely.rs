@@ -2,12 +2,12 @@
 //! needs no search.
 
 use super::flat::Solid;
-use crate::geometry::{Aabb, COINCIDENT, Cuboid, Kind, Pairs, PrimId, Primitives, Sphere};
+use crate::geometry::{Aabb, COINCIDENT, Pairs, PrimId, Primitives, Shape};
 
 /// Sets [`Solid::lonely`].
 pub(super) fn mark(primitives: &Primitives, solids: &mut [Solid]) {
-    let ids: Vec<PrimId> = (0..primitives.len() as u32).map(PrimId).collect();
-    let convex = |p: PrimId| !matches!(primitives.locate(p).0, Kind::Triangle | Kind::Layer);
+    let ids: Vec<PrimId> = primitives.ids().collect();
+    let convex = |p: PrimId| !matches!(primitives.shape(p), Shape::Triangle(_) | Shape::Layer(_));
     for &p in &ids {
         solids[primitives.owner(p) as usize].lonely = convex(p);
     }
@@ -25,36 +25,17 @@ pub(super) fn mark(primitives: &Primitives, solids: &mut [Solid]) {
 
 /// Whether no surface of `b` enters the inside of `a`. May be falsely negative.
 fn spares(primitives: &Primitives, a: PrimId, b: PrimId) -> bool {
-    let inside = primitives.bounds(a);
-    match (shape(primitives, a), shape(primitives, b)) {
-        (Convex::Sphere(s), Convex::Sphere(t)) => {
+    let (inside, outside) = (primitives.bounds(a), primitives.bounds(b));
+    match (primitives.shape(a), primitives.shape(b)) {
+        (Shape::Sphere(s), Shape::Sphere(t)) => {
             let d = s.center.distance(t.center);
             d >= s.radius + t.radius || d + s.radius <= t.radius
         }
-        (_, Convex::Cuboid(b)) => apart(inside, b.bounds()) || within(inside, b.bounds()),
-        (_, Convex::Layer(b)) => apart(inside, b) || within(inside, b),
-        (Convex::Cylinder(s), Convex::Cylinder(t)) if s.axis == t.axis && s.from == t.from && s.u == t.u => {
+        (_, Shape::Cuboid(_) | Shape::Layer(_)) => apart(inside, outside) || within(inside, outside),
+        (Shape::Cylinder(s), Shape::Cylinder(t)) if s.axis == t.axis && s.from == t.from && s.u == t.u => {
             s.radii[0] < t.radii[0] && s.radii[1] < t.radii[1] && s.length <= t.length
         }
-        _ => apart(inside, primitives.bounds(b)),
-    }
-}
-
-enum Convex {
-    Sphere(Sphere),
-    Cylinder(crate::geometry::Cylinder),
-    Cuboid(Cuboid),
-    Layer(Aabb),
-    Other,
-}
-
-fn shape(primitives: &Primitives, p: PrimId) -> Convex {
-    match primitives.locate(p) {
-        (Kind::Sphere, i) => Convex::Sphere(primitives.spheres()[i]),
-        (Kind::Cylinder, i) => Convex::Cylinder(primitives.cylinders()[i]),
-        (Kind::Cuboid, i) => Convex::Cuboid(primitives.cuboids()[i]),
-        (Kind::Layer, _) => Convex::Layer(primitives.bounds(p)),
-        (Kind::Triangle, _) => Convex::Other,
+        _ => apart(inside, outside),
     }
 }
 

@@ -7,46 +7,37 @@
 
 use glam::DVec3;
 
-use super::films::{Films, Start, one_interface};
-use super::inside::Inside;
-use super::kernel::{Kernel, TreeKey};
+use super::films::{Films, Reach, Start};
+use super::inside::{Around, Inside};
+use super::kernel::{Kernel, Stop};
+use super::media::{Beams, Refraction, Slant};
 use super::random::decision;
-use super::record::Recorder;
-use super::stream::{Flight, Load};
-use crate::geometry::{Crossing, Order, PrimId, Ray, SurfaceId};
-use crate::optics::jones::Jones;
-use crate::optics::{C64, Coefficients, Pair, fresnel};
+use super::record::{Loss, Recorder};
+use super::stream::{Bits, Flight, Slot, Stream};
+use super::tracer::TreeKey;
+use crate::geometry::{PrimId, Ray, SurfaceId};
+use crate::optics::field::{Field, Passage};
+use crate::optics::{C64, Coefficients, Pair};
 use crate::sample::{Matter, MediumId};
 
-/// A ray that has met an interface between two different media.
+/// An interface between two different media, met by a ray.
 pub struct Interface<'a> {
-    /// The ray.
-    pub flight: &'a Flight,
+    /// Direction of the ray.
+    pub dir: DVec3,
     /// Where, µm.
     pub point: DVec3,
     /// Normal of the interface, towards the ray.
     pub normal: DVec3,
     /// Its surface.
     pub surface: SurfaceId,
-    /// One of its faces.
-    pub crossing: Crossing,
+    /// One of its primitives.
+    pub at: PrimId,
     /// Whether a stack of films may begin here.
     pub may_be_film: bool,
     /// What a ray is inside of behind it.
-    pub inside: Inside,
+    pub inside: &'a Inside,
     /// What is behind it.
-    pub matter: Matter,
-}
-
-/// A ray after the interface, with its lanes; not there if it has none.
-#[derive(Debug)]
-pub struct Beam<const C: usize> {
-    /// The ray.
-    pub flight: Flight,
-    /// Its lanes.
-    pub lanes: Vec<u16>,
-    /// Their fields.
-    pub fields: Vec<Jones<C>>,
+    pub around: Around,
 }
 
 /// Shares of the power between this and 1 minus this are followed both while a tree splits.
@@ -55,279 +46,241 @@ const SPLIT_ABOVE: f64 = 0.01;
 /// Below this sine of the angle of incidence any plane of incidence will do.
 const NORMAL: f64 = 1e-12;
 
-/// The beams of one interface; their memory is reused from ray to ray.
-#[derive(Debug)]
-pub struct Beams<const C: usize> {
-    reflected: Beam<C>,
-    transmitted: Beam<C>,
-}
-
 /// Where the transmitted beam starts.
-struct Behind {
+struct Behind<'a> {
     point: DVec3,
     surface: SurfaceId,
     at: PrimId,
-    inside: Inside,
+    inside: &'a Inside,
     medium: MediumId,
-    /// Refractive index before over behind, and cosine of the angle of refraction; `None` in total reflection and
-    /// where nothing is transmitted.
-    refraction: Option<(f64, f64)>,
+    refraction: Refraction,
 }
 
-/// What the interface does to each lane.
-enum Action<'a> {
+/// What an interface does to each lane.
+enum Action<'a, P> {
     /// The same to all.
-    Uniform(Coefficients),
+    Uniform(Beams<P>),
     /// By number of the lane.
-    PerLane(&'a [Coefficients]),
+    PerLane(&'a [Beams<P>]),
 }
 
-impl Action<'_> {
-    #[inline]
-    fn of(&self, lane: u16) -> &Coefficients {
-        match self {
-            Self::Uniform(c) => c,
-            Self::PerLane(table) => &table[usize::from(lane)],
-        }
-    }
+/// The work of parting one ray.
+pub struct Partition<'w, 'k, F, R> {
+    /// What all rays share.
+    pub kernel: &'w Kernel<'k>,
+    /// The rays.
+    pub stream: &'w mut Stream<F>,
+    /// The one that met the interface.
+    pub slot: Slot,
+    /// The interface.
+    pub interface: &'w Interface<'w>,
+    /// Random numbers of its tree.
+    pub numbers: TreeKey,
+    /// Who listens.
+    pub recorder: &'w mut R,
 }
 
-impl<const C: usize> Default for Beams<C> {
-    fn default() -> Self {
-        let nowhere = Ray { origin: DVec3::ZERO, dir: DVec3::Z };
-        let beam = || Beam {
-            flight: Flight::start(nowhere, DVec3::X, MediumId(0), 0),
-            lanes: Vec::new(),
-            fields: Vec::new(),
-        };
-        Self { reflected: beam(), transmitted: beam() }
-    }
-}
+/// The slots of the reflected and the transmitted beam.
+pub type BeamSlots = [Option<Slot>; 2];
 
-impl<const C: usize> Beams<C> {
-    /// The beams that carry light.
-    pub fn parts(&self) -> impl Iterator<Item = &Beam<C>> {
-        [&self.reflected, &self.transmitted].into_iter().filter(|b| !b.lanes.is_empty())
-    }
+const REFLECTED: usize = 0;
+const TRANSMITTED: usize = 1;
 
-    /// Parts the light of a ray.
-    pub fn part(
-        &mut self,
-        kernel: &Kernel<'_>,
-        films: &mut Films,
-        interface: &Interface<'_>,
-        load: Load<'_, C>,
-        numbers: &TreeKey,
-        recorder: &mut impl Recorder<C>,
-    ) {
-        for beam in [&mut self.reflected, &mut self.transmitted] {
-            beam.lanes.clear();
-            beam.fields.clear();
-        }
-        match interface.matter {
-            Matter::Diffuse(share) => self.scatter(interface, share, load, numbers, recorder),
-            Matter::Mirror(share) => {
-                // A perfect conductor's signs.
-                let a = C64::new(share.sqrt(), 0.0);
-                let c = Coefficients { r: Pair { s: -a, p: a }, t: Pair { s: C64::ZERO, p: C64::ZERO } };
-                self.divide(kernel, interface, &Action::Uniform(c), None, true, load, numbers, recorder);
-            }
-            Matter::Medium(last) => self.refract(kernel, films, interface, last, load, numbers, recorder),
+impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
+    /// Parts the light; returns the slots of the beams that go on.
+    pub fn run(&mut self, films: &mut Films<F>) -> BeamSlots {
+        match self.interface.around {
+            Around::Medium(last) => self.refract(films, last),
+            Around::Opaque(solid) => match self.kernel.sample.solids[solid as usize].matter {
+                Matter::Diffuse(share) => self.scatter(share),
+                Matter::Mirror(share) => self.mirror(share),
+                Matter::Medium(_) => unreachable!("a medium is not opaque"),
+            },
         }
     }
 
-    #[expect(clippy::too_many_arguments, reason = "all of it changes from ray to ray")]
-    fn refract(
-        &mut self,
-        kernel: &Kernel<'_>,
-        films: &mut Films,
-        interface: &Interface<'_>,
-        last: MediumId,
-        load: Load<'_, C>,
-        numbers: &TreeKey,
-        recorder: &mut impl Recorder<C>,
-    ) {
-        let optics = &kernel.optics;
-        let flight = interface.flight;
-        let first = flight.medium;
-        let lane = load.lanes[0];
-        let cos = interface.cos();
-        let refraction = |last: MediumId| {
-            if optics.is_opaque(last) {
-                return None;
-            }
-            let (n1, n2) = (optics.index(first, lane).re, optics.index(last, lane).re);
-            fresnel::refracted_cos(n1, n2, cos).map(|cos_t| (n1 / n2, cos_t))
-        };
-        if interface.may_be_film {
-            let start = Start {
-                point: interface.point,
-                normal: interface.normal,
-                surface: interface.surface,
-                inside: &interface.inside,
-                first,
-                cos,
-            };
-            let (reach, coherence) = (kernel.sample.cell.reach, kernel.plan.coherence_length);
-            if let Some((stack, table)) = films.find(kernel.scene, &kernel.ledger, optics, &start, reach, coherence) {
+    /// A perfect conductor's signs.
+    fn mirror(&mut self, share: f64) -> BeamSlots {
+        let a = C64::new(share.sqrt(), 0.0);
+        let c = Coefficients { r: Pair { s: -a, p: a }, t: Pair { s: C64::ZERO, p: C64::ZERO } };
+        let plane = self.plane();
+        self.divide(&plane, &Action::Uniform(Beams::new(&c)), None, true)
+    }
+
+    fn refract(&mut self, films: &mut Films<F>, last: MediumId) -> BeamSlots {
+        let media = &self.kernel.media;
+        let first = self.stream.flights[self.slot].medium;
+        let Interface { point, normal, surface, at, inside, .. } = *self.interface;
+        let (lane, alone) = self.stream.first_lane(self.slot);
+        let plane = self.plane();
+        if self.interface.may_be_film {
+            let start = Start { point, normal, surface, inside, first, slant: plane.slant };
+            let reach = Reach { depth: self.kernel.sample.cell.reach, coherence: self.kernel.plan.coherence_length };
+            if let Some((stack, table)) = films.find(self.kernel.scene, &self.kernel.solids, media, &start, reach) {
                 // Straight below: there the phase of t is referred to, and there the media were found.
-                let point = interface.point - stack.depth * interface.normal;
-                let behind = Behind {
-                    point: kernel.scene.primitives().snap(stack.crossing, stack.surface, point),
+                let below = point - stack.depth * normal;
+                let refraction = media.refraction(first, stack.last, lane, plane.slant);
+                let behind = refraction.map(|refraction| Behind {
+                    point: self.kernel.scene.primitives().snap(stack.crossing, stack.surface, below),
                     surface: stack.surface,
                     at: stack.crossing.prim,
-                    inside: stack.inside,
+                    inside: &stack.inside,
                     medium: stack.last,
-                    refraction: refraction(stack.last),
-                };
-                let absorbs = optics.is_opaque(stack.last)
-                    || stack.layers.iter().any(|(m, _)| optics.absorbs[usize::from(m.0)]);
-                let action = Action::PerLane(table);
-                return self.divide(kernel, interface, &action, Some(behind), absorbs, load, numbers, recorder);
+                    refraction,
+                });
+                let absorbs = media.is_opaque(stack.last) || stack.layers.iter().any(|(m, _)| media.absorbs(*m));
+                return self.divide(&plane, &Action::PerLane(table), behind, absorbs);
             }
         }
-        let behind = Behind {
-            point: interface.point,
-            surface: interface.surface,
-            at: interface.crossing.prim,
-            inside: interface.inside,
-            medium: last,
-            refraction: refraction(last),
-        };
-        let varies = optics.varies[usize::from(first.0)] || optics.varies[usize::from(last.0)];
-        let action = if varies && load.lanes.len() > 1 {
-            Action::PerLane(films.interface(optics, first, last, cos))
+        let (action, refraction) = if media.varies(first, last) && !alone {
+            let table = films.interface(media, first, last, plane.slant);
+            (Action::PerLane(table), media.refraction(first, last, lane, plane.slant))
         } else {
-            Action::Uniform(one_interface(optics, first, last, cos, lane))
+            let (beams, refraction) = media.interface::<F>(first, last, lane, plane.slant);
+            (Action::Uniform(beams), refraction)
         };
-        self.divide(kernel, interface, &action, Some(behind), optics.is_opaque(last), load, numbers, recorder);
+        let behind = refraction.map(|refraction| Behind { point, surface, at, inside, medium: last, refraction });
+        self.divide(&plane, &action, behind, media.is_opaque(last))
     }
 
     /// Gives each lane its share in the reflected and the transmitted beam, or lets it choose one.
-    #[expect(clippy::too_many_arguments, reason = "all of it changes from ray to ray")]
-    #[inline]
-    fn divide(
-        &mut self,
-        kernel: &Kernel<'_>,
-        interface: &Interface<'_>,
-        action: &Action<'_>,
-        behind: Option<Behind>,
-        absorbs: bool,
-        load: Load<'_, C>,
-        numbers: &TreeKey,
-        recorder: &mut impl Recorder<C>,
-    ) {
-        let flight = interface.flight;
-        let splits = flight.events < kernel.plan.limits.splits;
-        let plane = Plane::new(interface);
-        let transmits = behind.as_ref().is_some_and(|b| b.refraction.is_some());
+    #[inline(always)]
+    fn divide(&mut self, plane: &Plane, action: &Action<'_, F::Passage>, behind: Option<Behind<'_>>, absorbs: bool) -> BeamSlots {
+        let slot = self.slot;
+        let Flight { events, branch, .. } = self.stream.flights[slot];
+        let splits = events < self.kernel.plan.limits.splits;
+        let mut beams = [None; 2];
         let mut lot = None;
-        for (&lane, field) in load.lanes.iter().zip(load.fields) {
-            let c = action.of(lane);
-            let field = field.rotated(plane.cos, plane.sin);
-            let [p, s] = field.powers();
-            let reflected = c.r.p.norm_sqr() * p + c.r.s.norm_sqr() * s;
-            let transmitted = if transmits { c.t.p.norm_sqr() * p + c.t.s.norm_sqr() * s } else { 0.0 };
-            let kept = reflected + transmitted;
-            if absorbs {
-                recorder.absorb(lane, p + s - kept);
-            }
-            if kept <= 0.0 {
-                continue;
-            }
-            let share = reflected / kept;
-            if splits && share > SPLIT_ABOVE && share < 1.0 - SPLIT_ABOVE {
-                self.reflected.add(lane, field.times(c.r));
-                self.transmitted.add(lane, field.times(c.t));
-                continue;
-            }
-            if *lot.get_or_insert_with(|| draw(flight, numbers)) < share {
-                self.reflected.add(lane, field.times(c.r).scaled((1.0 / share).sqrt()));
-            } else {
-                self.transmitted.add(lane, field.times(c.t).scaled((1.0 / (1.0 - share)).sqrt()));
+        for word in 0..self.stream.words() {
+            for bit in Bits(self.stream.word(slot, word)) {
+                let lane = (64 * word) as u16 + bit;
+                let Beams { reflected: r, transmitted: t } = match action {
+                    Action::Uniform(beams) => beams,
+                    Action::PerLane(table) => &table[usize::from(lane)],
+                };
+                let field = self.stream.field(slot, lane).rotated(plane.cos, plane.sin);
+                let [p, s] = field.powers();
+                let part = |shares: Pair<f64>| shares.p * p + shares.s * s;
+                let reflected = part(r.shares());
+                let transmitted = if behind.is_some() { part(t.shares()) } else { 0.0 };
+                let kept = if absorbs { reflected + transmitted } else { p + s };
+                self.stream.drop_lane(slot, lane);
+                if absorbs {
+                    self.recorder.absorb(lane, p + s - kept);
+                }
+                if kept <= 0.0 {
+                    continue;
+                }
+                let both = splits && reflected.min(transmitted) > SPLIT_ABOVE * kept;
+                if both {
+                    self.give(&mut beams, REFLECTED, lane, field.times(r));
+                    self.give(&mut beams, TRANSMITTED, lane, field.times(t));
+                } else if transmitted == 0.0 || *lot.get_or_insert_with(|| draw(branch, events, self.numbers)) * kept < reflected {
+                    self.give(&mut beams, REFLECTED, lane, field.times(r).scaled(kept / reflected));
+                } else {
+                    self.give(&mut beams, TRANSMITTED, lane, field.times(t).scaled(kept / transmitted));
+                }
             }
         }
-        self.place(interface, &plane, behind, splits);
+        self.send(plane, behind.as_ref(), splits, beams)
     }
 
-    /// Sets the directions and frames of both beams.
-    fn place(&mut self, interface: &Interface<'_>, plane: &Plane, behind: Option<Behind>, splits: bool) {
-        let flight = interface.flight;
-        let d = flight.ray.dir;
-        let cos = interface.cos();
-        let branch = |side: u32| if splits { 2 * flight.branch + side } else { flight.branch };
-        let base = Flight { from: Order { t: 0.0, surface: SurfaceId::LAST }, events: flight.events + 1, ..*flight };
-        if !self.reflected.lanes.is_empty() {
-            let dir = unit(d + 2.0 * cos * interface.normal);
-            self.reflected.flight = Flight {
-                ray: Ray { origin: interface.point, dir },
-                frame: plane.s.cross(dir),
-                last: interface.surface,
-                at: interface.crossing.prim,
-                branch: branch(0),
-                ..base
-            };
-        }
-        let Some(behind) = behind else { return };
-        let Some((ratio, cos_t)) = behind.refraction else { return };
-        let dir = unit(ratio * d + (ratio * cos - cos_t) * interface.normal);
-        self.transmitted.flight = Flight {
-            ray: Ray { origin: behind.point, dir },
-            frame: plane.s.cross(dir),
-            last: behind.surface,
-            at: behind.at,
-            inside: behind.inside,
-            medium: behind.medium,
-            branch: branch(1),
-            ..base
+    /// Gives a lane to a beam. Whichever beam gets the first lane keeps the slot of the ray.
+    #[inline(always)]
+    fn give(&mut self, beams: &mut BeamSlots, side: usize, lane: u16, field: F) {
+        let slot = match (beams[side], beams[1 - side]) {
+            (Some(slot), _) => slot,
+            (None, None) => self.slot,
+            (None, Some(_)) => self.stream.fork(self.slot),
         };
+        beams[side] = Some(slot);
+        self.stream.put(slot, lane, field);
+    }
+
+    /// Sets the directions of both beams; gives up those that need not be followed.
+    #[inline]
+    fn send(&mut self, plane: &Plane, behind: Option<&Behind<'_>>, splits: bool, beams: BeamSlots) -> BeamSlots {
+        let Interface { dir, point, normal, surface, at, .. } = *self.interface;
+        let cos = plane.slant.cos;
+        let next_branch = |branch: u32, side: u32| if splits { 2 * branch + side } else { branch };
+        let primitives = self.kernel.scene.primitives();
+        let reflected = beams[REFLECTED].filter(|&slot| {
+            let dir = unit(dir + 2.0 * cos * normal);
+            self.stream.queries[slot] = primitives.query_leaving(Ray { origin: point, dir }, surface);
+            let f = &mut self.stream.flights[slot];
+            (f.frame, f.at, f.branch, f.events) = (plane.s.cross(dir), at, next_branch(f.branch, 0), f.events + 1);
+            self.settle(slot)
+        });
+        let transmitted = beams[TRANSMITTED].zip(behind).and_then(|(slot, b)| {
+            let Refraction { ratio, cos: cos_t } = b.refraction;
+            let dir = unit(ratio * dir + (ratio * cos - cos_t) * normal);
+            self.stream.queries[slot] = primitives.query_leaving(Ray { origin: b.point, dir }, b.surface);
+            let f = &mut self.stream.flights[slot];
+            (f.frame, f.at, f.branch, f.events) = (plane.s.cross(dir), b.at, next_branch(f.branch, 1), f.events + 1);
+            f.medium = b.medium;
+            f.inside.clone_from(b.inside);
+            self.settle(slot).then_some(slot)
+        });
+        if beams == [None; 2] {
+            self.stream.remove(self.slot);
+        }
+        [reflected, transmitted]
+    }
+
+    /// Whether a beam is to be followed; if not, its power is accounted for.
+    #[inline(always)]
+    fn settle(&mut self, slot: Slot) -> bool {
+        let Stream { queries, flights, .. } = self.stream;
+        match self.kernel.settle(&mut queries[slot], &mut flights[slot]) {
+            Ok(()) => true,
+            Err(stop) => {
+                self.give_up(slot, stop);
+                false
+            }
+        }
+    }
+
+    #[cold]
+    fn give_up(&mut self, slot: Slot, stop: Stop) {
+        for (lane, field) in self.stream.loads(slot) {
+            match stop {
+                Stop::Side => self.recorder.side(lane, field.power()),
+                Stop::NoCopy => self.recorder.lose(Loss::Numeric, lane, field.power()),
+            }
+        }
+        self.stream.remove(slot);
+    }
+
+    fn plane(&self) -> Plane {
+        Plane::new(self.interface.dir, self.interface.normal, self.stream.flights[self.slot].frame)
     }
 
     /// Lambert reflection: a direction with density cos θ/π, unpolarized.
-    fn scatter(
-        &mut self,
-        interface: &Interface<'_>,
-        share: f64,
-        load: Load<'_, C>,
-        numbers: &TreeKey,
-        recorder: &mut impl Recorder<C>,
-    ) {
-        let flight = interface.flight;
-        for (&lane, field) in load.lanes.iter().zip(load.fields) {
-            let power = field.power();
-            recorder.absorb(lane, (1.0 - share) * power);
-            if share > 0.0 {
-                self.reflected.add(lane, Jones::depolarized(share * power));
+    fn scatter(&mut self, share: f64) -> BeamSlots {
+        let slot = self.slot;
+        for word in 0..self.stream.words() {
+            for bit in Bits(self.stream.word(slot, word)) {
+                let lane = (64 * word) as u16 + bit;
+                let power = self.stream.field(slot, lane).power();
+                self.recorder.absorb(lane, (1.0 - share) * power);
+                self.stream.put(slot, lane, F::unpolarized(share * power));
             }
         }
-        let (r2, turn) = (draw(flight, numbers), decision(numbers.key, flight.branch, flight.events, 1));
+        let Flight { events, branch, .. } = self.stream.flights[slot];
+        if share == 0.0 {
+            self.stream.remove(slot);
+            return [None; 2];
+        }
+        let (r2, turn) = (draw(branch, events, self.numbers), decision(self.numbers.key, branch, events, 1));
         let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
-        let (u, v) = interface.normal.any_orthonormal_pair();
-        let dir = unit(r2.sqrt() * (cos * u + sin * v) + (1.0 - r2).sqrt() * interface.normal);
-        self.reflected.flight = Flight {
-            ray: Ray { origin: interface.point, dir },
-            frame: dir.any_orthonormal_vector(),
-            from: Order { t: 0.0, surface: SurfaceId::LAST },
-            last: interface.surface,
-            at: interface.crossing.prim,
-            events: flight.events + 1,
-            ..*flight
-        };
-    }
-}
-
-impl<const C: usize> Beam<C> {
-    #[inline]
-    fn add(&mut self, lane: u16, field: Jones<C>) {
-        self.lanes.push(lane);
-        self.fields.push(field);
-    }
-}
-
-impl Interface<'_> {
-    /// Cosine of the angle of incidence.
-    fn cos(&self) -> f64 {
-        (-self.normal.dot(self.flight.ray.dir)).clamp(0.0, 1.0)
+        let Interface { point, normal, surface, at, .. } = *self.interface;
+        let (u, v) = normal.any_orthonormal_pair();
+        let dir = unit(r2.sqrt() * (cos * u + sin * v) + (1.0 - r2).sqrt() * normal);
+        let primitives = self.kernel.scene.primitives();
+        self.stream.queries[slot] = primitives.query_leaving(Ray { origin: point, dir }, surface);
+        let f = &mut self.stream.flights[slot];
+        (f.frame, f.at, f.events) = (dir.any_orthonormal_vector(), at, events + 1);
+        [self.settle(slot).then_some(slot), None]
     }
 }
 
@@ -335,31 +288,31 @@ impl Interface<'_> {
 struct Plane {
     /// Unit vector across it.
     s: DVec3,
+    /// Angle of incidence.
+    slant: Slant,
     /// p̂ = cos·x̂ + sin·ŷ in the frame of the ray.
     cos: f64,
     sin: f64,
 }
 
 impl Plane {
-    fn new(interface: &Interface<'_>) -> Self {
-        let Flight { ray, frame: x, .. } = *interface.flight;
-        let across = ray.dir.cross(interface.normal);
-        let length = across.length();
-        if length < NORMAL {
-            return Self { s: ray.dir.cross(x), cos: 1.0, sin: 0.0 };
+    /// Of a ray of direction `dir` with frame vector x̂ at an interface.
+    #[inline]
+    fn new(dir: DVec3, normal: DVec3, x: DVec3) -> Self {
+        let across = dir.cross(normal);
+        let slant = Slant { cos: (-normal.dot(dir)).clamp(0.0, 1.0), sin: across.length() };
+        if slant.sin < NORMAL {
+            return Self { s: dir.cross(x), slant, cos: 1.0, sin: 0.0 };
         }
-        let s = across / length;
-        let p = s.cross(ray.dir);
-        let (cos, sin) = (x.dot(p), x.dot(s));
-        // ŷ·p̂ = −x̂·ŝ, for both frames are right-handed about the ray. Kept a rotation to rounding.
-        let norm = cos.hypot(sin);
-        Self { s, cos: cos / norm, sin: -sin / norm }
+        let s = across / slant.sin;
+        // ŷ·p̂ = −x̂·ŝ, for both frames are right-handed about the ray.
+        Self { s, slant, cos: x.dot(s.cross(dir)), sin: -x.dot(s) }
     }
 }
 
 /// The random number of this interface: Sobol for the first decision after a split, then hashed.
-fn draw(flight: &Flight, numbers: &TreeKey) -> f64 {
-    match (flight.events, flight.branch) {
+fn draw(branch: u32, events: u32, numbers: TreeKey) -> f64 {
+    match (events, branch) {
         (1, branch @ 2..=3) => numbers.first[branch as usize - 2],
         (event, branch) => decision(numbers.key, branch, event, 0),
     }

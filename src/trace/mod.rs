@@ -4,12 +4,17 @@ mod films;
 mod inside;
 mod interact;
 mod kernel;
+mod media;
 mod random;
 mod record;
 mod schedule;
 mod stream;
+mod tracer;
 
-pub use kernel::{Kernel, Tracer, TreeKey};
+pub use kernel::Kernel;
 pub use random::{Batch, TreeNumbers};
+#[cfg(test)]
+pub(crate) use record::tests as testing;
 pub use record::{Exit, Loss, Recorder};
 pub use schedule::{Detect, StackCounts, Unit, run};
+pub use tracer::{Tracer, TreeKey};

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::optics::jones::Jones;
+use super::stream::{Slot, Stream};
+use crate::optics::field::Field;
 
 /// Where power went that left nobody: each kind is its own entry of the energy ledger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,30 +22,38 @@ impl Loss {
 }
 
 /// A ray that leaves the sample.
-#[derive(Debug)]
-pub struct Exit<'a, const C: usize> {
+pub struct Exit<'a, F> {
     /// Number of its tree in the chunk.
     pub tree: u32,
     /// Direction, sample frame.
     pub dir: DVec3,
     /// x̂ of the frame of the fields.
     pub frame: DVec3,
-    /// Where it last met the sample, µm; copies of a periodic sample count as one long sample.
+    /// Its last place in the sample, µm; copies of a periodic sample count as one long sample.
     pub position: DVec3,
-    /// Where its tree first met the sample, µm.
+    /// Where its tree entered, µm.
     pub anchor: DVec3,
-    /// Geometric length per medium since the anchor, µm; empty if phase is not followed.
-    pub lengths: &'a [f64],
-    /// The lanes it carries.
-    pub lanes: &'a [u16],
-    /// Their fields.
-    pub fields: &'a [Jones<C>],
+    pub(super) slot: Slot,
+    pub(super) stream: &'a Stream<F>,
+}
+
+impl<F: Field> Exit<'_, F> {
+    /// Its lanes with their fields.
+    #[inline]
+    pub fn loads(&self) -> impl Iterator<Item = (u16, F)> + use<'_, F> {
+        self.stream.loads(self.slot)
+    }
+
+    /// Geometric length per medium from the anchor to the last place, µm; empty if phase is not followed.
+    pub fn lengths(&self) -> &[f64] {
+        self.stream.lengths(self.slot)
+    }
 }
 
 /// Listens to the tracer.
-pub trait Recorder<const C: usize> {
+pub trait Recorder<F> {
     /// A ray left upwards or downwards.
-    fn exit(&mut self, exit: &Exit<'_, C>);
+    fn exit(&mut self, exit: &Exit<'_, F>);
     /// Power of a lane left sideways.
     fn side(&mut self, lane: u16, power: f64);
     /// Power of a lane was absorbed.
@@ -53,4 +62,25 @@ pub trait Recorder<const C: usize> {
     fn lose(&mut self, why: Loss, lane: u16, power: f64);
     /// Segments were traced.
     fn segments(&mut self, count: usize);
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::geometry::{PrimId, Primitives, Ray};
+    use crate::trace::inside::Inside;
+    use crate::trace::kernel::Border;
+    use crate::trace::stream::Flight;
+
+    /// Lets `recorder` hear of a ray of one lane.
+    pub fn exit<F: Field>(recorder: &mut impl Recorder<F>, tree: u32, dir: DVec3, field: F) {
+        let mut stream = Stream::new(1, 0);
+        let (frame, at, medium, inside) = (DVec3::X, PrimId(0), crate::sample::MediumId(0), Inside::NOTHING);
+        let (branch, events, walk, border) = (1, 0, [0, 0], Border::Out);
+        let query = Primitives::default().query(Ray { origin: DVec3::ZERO, dir });
+        let slot = stream.insert(query, Flight { frame, at, medium, inside, tree, branch, events, walk, border });
+        stream.put(slot, 0, field);
+        let (position, anchor) = (DVec3::ZERO, DVec3::ZERO);
+        recorder.exit(&Exit { tree, dir, frame, position, anchor, slot, stream: &stream });
+    }
 }

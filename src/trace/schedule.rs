@@ -5,10 +5,12 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError, mpsc};
 
-use super::kernel::{Kernel, Tracer, TreeKey};
+use super::kernel::Kernel;
 use super::random::{Batch, TreeNumbers};
 use super::record::Recorder;
+use super::tracer::{Tracer, TreeKey};
 use crate::light::Light;
+use crate::optics::field::Field;
 
 /// Trees of a unit: enough that its overhead does not show, few enough that threads stay busy to the end.
 const UNIT: u32 = 8192;
@@ -36,7 +38,7 @@ impl Unit {
 }
 
 /// A recorder that yields what a unit has put into it.
-pub trait Detect<const C: usize>: Recorder<C> {
+pub trait Detect<F: Field>: Recorder<F> {
     /// What a unit yields.
     type Part: Send;
     /// Prepares for light of this incidence.
@@ -50,7 +52,7 @@ pub type StackCounts = BTreeMap<Vec<u16>, u64>;
 
 /// Traces `units` on all threads of `pool`. `detector` makes one recorder per thread; `deliver` gets the parts in
 /// the order of the units, and stops the work by returning `false`.
-pub fn run<const C: usize, D: Detect<C>>(
+pub fn run<F: Field, D: Detect<F>>(
     kernel: &Kernel<'_>,
     light: &Light,
     units: &[Unit],
@@ -64,7 +66,7 @@ pub fn run<const C: usize, D: Detect<C>>(
     let stacks = Mutex::new(StackCounts::new());
     let (sender, receiver) = mpsc::channel();
     let work = |sender: mpsc::Sender<(usize, D::Part)>| {
-        let mut worker = Worker { tracer: Tracer::<C>::new(kernel), detector: detector(), order: Vec::new() };
+        let mut worker = Worker { tracer: Tracer::<F>::new(kernel), detector: detector(), order: Vec::new() };
         loop {
             let i = next.fetch_add(1, Ordering::Relaxed);
             let Some(unit) = units.get(i) else { break };
@@ -106,13 +108,13 @@ pub fn run<const C: usize, D: Detect<C>>(
     stacks.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-struct Worker<'k, 'a, const C: usize, D> {
-    tracer: Tracer<'k, 'a, C>,
+struct Worker<'k, 'a, F: Field, D> {
+    tracer: Tracer<'k, 'a, F>,
     detector: D,
     order: Vec<(u32, TreeNumbers)>,
 }
 
-impl<const C: usize, D: Detect<C>> Worker<'_, '_, C, D> {
+impl<F: Field, D: Detect<F>> Worker<'_, '_, F, D> {
     /// Traces the trees of a unit, neighbours in the footprint together, so that their rays run together.
     fn trace(&mut self, light: &Light, unit: &Unit) -> D::Part {
         self.order.clear();

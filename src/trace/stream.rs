@@ -1,31 +1,25 @@
-//! Rays in flight: a stream of one generation, with what each carries stored in flat lists.
-
-use std::ops::Range;
+//! Rays in flight, in numbered slots: what is asked of the geometry, the answer, and what each ray carries lie in
+//! one list each, so that a ray changes in place and nothing is allocated per ray.
 
 use glam::DVec3;
 
 use super::inside::Inside;
-use crate::geometry::{Order, PrimId, Query, Ray, SurfaceId};
-use crate::optics::jones::Jones;
+use super::kernel::Border;
+use crate::geometry::{Nearest, PrimId, Query};
+use crate::optics::field::Field;
 use crate::sample::MediumId;
 
-/// A ray between two interfaces. What it carries per lane lies in the lists of its [`Stream`].
-#[derive(Clone, Copy, Debug)]
+/// What a ray is besides its [`Query`].
+#[derive(Clone, Debug)]
 pub struct Flight {
-    /// Start (µm) and direction.
-    pub ray: Ray,
-    /// Interfaces count after this place (a ray goes on straight where media are equal).
-    pub from: Order,
-    /// The surface it started on.
-    pub last: SurfaceId,
-    /// The primitive that surface was met on.
-    pub at: PrimId,
     /// x̂ of the frame of its fields.
     pub frame: DVec3,
-    /// The solids it is inside of.
-    pub inside: Inside,
+    /// The primitive on whose surface it started.
+    pub at: PrimId,
     /// The medium around it.
     pub medium: MediumId,
+    /// The solids it is inside of.
+    pub inside: Inside,
     /// Its tree, in the chunk.
     pub tree: u32,
     /// Its branch of the tree: 1 before the split, then 2 (reflected) or 3 (transmitted).
@@ -34,119 +28,162 @@ pub struct Flight {
     pub events: u32,
     /// Periods by which it was moved back.
     pub walk: [i32; 2],
-    /// Where the tree entered, µm.
-    pub anchor: DVec3,
+    /// What ends its way if no interface does.
+    pub border: Border,
 }
 
-/// Rays of one generation. Rays are only appended and read in order, so there is nothing to allocate per ray.
+/// Number of a ray.
+pub type Slot = usize;
+
+/// Rays by slot.
 #[derive(Debug)]
-pub struct Stream<const C: usize> {
-    flights: Vec<Flight>,
-    /// Where the part of each ray ends in the lists of lanes and fields.
-    ends: Vec<usize>,
-    lanes: Vec<u16>,
-    fields: Vec<Jones<C>>,
-    lengths: Vec<f64>,
-    /// Number of media whose lengths are followed; 0 if phase is not.
+pub struct Stream<F> {
+    lanes: usize,
+    words: usize,
     media: usize,
-}
-
-/// What a ray carries.
-#[derive(Clone, Copy, Debug)]
-pub struct Load<'a, const C: usize> {
-    /// Numbers of the lanes.
-    pub lanes: &'a [u16],
-    /// Field of each lane.
-    pub fields: &'a [Jones<C>],
+    /// Where each ray is and goes.
+    pub queries: Vec<Query>,
+    /// Where it meets something.
+    pub answers: Vec<Nearest>,
+    /// The rest.
+    pub flights: Vec<Flight>,
+    /// Which lanes it carries: a bit each.
+    masks: Vec<u64>,
+    /// Field of each lane; those it does not carry are left over from others.
+    fields: Vec<F>,
     /// Length travelled per medium, µm.
-    pub lengths: &'a [f64],
+    lengths: Vec<f64>,
+    free: Vec<Slot>,
 }
 
-impl<const C: usize> Stream<C> {
-    /// An empty stream that follows lengths in `media` media.
-    pub fn new(media: usize) -> Self {
-        Self { flights: Vec::new(), ends: Vec::new(), lanes: Vec::new(), fields: Vec::new(), lengths: Vec::new(), media }
-    }
-
-    /// Removes all rays.
-    pub fn clear(&mut self) {
-        self.flights.clear();
-        self.ends.clear();
-        self.lanes.clear();
-        self.fields.clear();
-        self.lengths.clear();
-    }
-
-    /// Whether there are no rays.
-    pub fn is_empty(&self) -> bool {
-        self.flights.is_empty()
-    }
-
-    /// Adds a ray.
-    pub fn push(&mut self, flight: Flight, load: Load<'_, C>) {
-        self.lanes.extend_from_slice(load.lanes);
-        self.fields.extend_from_slice(load.fields);
-        self.lengths.extend_from_slice(load.lengths);
-        self.ends.push(self.lanes.len());
-        self.flights.push(flight);
-    }
-
-    /// The rays.
-    pub fn flights(&self) -> &[Flight] {
-        &self.flights
-    }
-
-    fn part(&self, i: usize) -> Range<usize> {
-        let first = if i == 0 { 0 } else { self.ends[i - 1] };
-        first..self.ends[i]
-    }
-
-    /// What ray `i` carries.
-    pub fn load(&self, i: usize) -> Load<'_, C> {
-        let part = self.part(i);
-        Load {
-            lanes: &self.lanes[part.clone()],
-            fields: &self.fields[part],
-            lengths: &self.lengths[i * self.media..(i + 1) * self.media],
-        }
-    }
-
-    /// Fields (to be changed) and lanes of ray `i`.
-    pub fn fields_mut(&mut self, i: usize) -> (&mut [Jones<C>], &[u16]) {
-        let part = self.part(i);
-        (&mut self.fields[part.clone()], &self.lanes[part])
-    }
-
-    /// Adds to the length ray `i` has travelled in a medium, if lengths are followed.
-    pub fn add_length(&mut self, i: usize, medium: MediumId, length: f64) {
-        if self.media > 0 {
-            self.lengths[i * self.media + usize::from(medium.0)] += length;
-        }
-    }
-}
-
-impl Flight {
-    /// A ray of a new tree, in the open.
-    pub fn start(ray: Ray, frame: DVec3, medium: MediumId, tree: u32) -> Self {
+impl<F: Field> Stream<F> {
+    /// No rays yet; each will have `lanes` lanes and follow its length in `media` media.
+    pub fn new(lanes: usize, media: usize) -> Self {
         Self {
-            ray,
-            from: Order { t: 0.0, surface: SurfaceId::NONE },
-            last: SurfaceId::NONE,
-            at: PrimId(u32::MAX),
-            frame,
-            inside: Inside::NOTHING,
-            medium,
-            tree,
-            branch: 1,
-            events: 0,
-            walk: [0, 0],
-            anchor: ray.origin,
+            lanes,
+            words: lanes.div_ceil(64),
+            media,
+            queries: Vec::new(),
+            answers: Vec::new(),
+            flights: Vec::new(),
+            masks: Vec::new(),
+            fields: Vec::new(),
+            lengths: Vec::new(),
+            free: Vec::new(),
         }
     }
 
-    /// The question where it meets something within `limit` µm.
+    /// A new ray without lanes.
+    pub fn insert(&mut self, query: Query, flight: Flight) -> Slot {
+        if let Some(slot) = self.free.pop() {
+            self.queries[slot] = query;
+            self.flights[slot] = flight;
+            self.masks[slot * self.words..(slot + 1) * self.words].fill(0);
+            self.lengths[slot * self.media..(slot + 1) * self.media].fill(0.0);
+            return slot;
+        }
+        let slot = self.queries.len();
+        self.queries.push(query);
+        self.answers.push(Nearest::none(0.0));
+        self.flights.push(flight);
+        self.masks.resize((slot + 1) * self.words, 0);
+        self.fields.resize((slot + 1) * self.lanes, F::unpolarized(0.0));
+        self.lengths.resize((slot + 1) * self.media, 0.0);
+        slot
+    }
+
+    /// A copy of a ray, without lanes.
+    pub fn fork(&mut self, slot: Slot) -> Slot {
+        let twin = self.insert(self.queries[slot], self.flights[slot].clone());
+        let lengths = slot * self.media..(slot + 1) * self.media;
+        self.lengths.copy_within(lengths, twin * self.media);
+        twin
+    }
+
+    /// Forgets a ray.
+    pub fn remove(&mut self, slot: Slot) {
+        self.free.push(slot);
+    }
+
+    /// The lanes of a ray, ascending.
     #[inline]
-    pub fn query(&self, limit: f64) -> Query {
-        Query { from: self.from, limit, ..Query::leaving(self.ray, self.last) }
+    pub fn lanes(&self, slot: Slot) -> impl Iterator<Item = u16> + use<'_, F> {
+        let words = &self.masks[slot * self.words..(slot + 1) * self.words];
+        words.iter().enumerate().flat_map(|(w, &mask)| Bits(mask).map(move |b| (64 * w) as u16 + b))
+    }
+
+    /// The first lane of a ray that has any, and whether it is the only one.
+    #[inline]
+    pub fn first_lane(&self, slot: Slot) -> (u16, bool) {
+        let words = &self.masks[slot * self.words..(slot + 1) * self.words];
+        let first = words.iter().position(|&m| m != 0).unwrap_or(0);
+        let alone = words[first].is_power_of_two() && words[first + 1..].iter().all(|&m| m == 0);
+        ((64 * first) as u16 + words[first].trailing_zeros() as u16, alone)
+    }
+
+    /// One word of the lanes of a ray.
+    #[inline]
+    pub fn word(&self, slot: Slot, word: usize) -> u64 {
+        self.masks[slot * self.words + word]
+    }
+
+    /// Number of words.
+    pub fn words(&self) -> usize {
+        self.words
+    }
+
+    /// Gives a ray a lane.
+    #[inline]
+    pub fn put(&mut self, slot: Slot, lane: u16, field: F) {
+        let lane = usize::from(lane);
+        self.masks[slot * self.words + lane / 64] |= 1 << (lane % 64);
+        self.fields[slot * self.lanes + lane] = field;
+    }
+
+    /// Takes a lane from a ray.
+    #[inline]
+    pub fn drop_lane(&mut self, slot: Slot, lane: u16) {
+        let lane = usize::from(lane);
+        self.masks[slot * self.words + lane / 64] &= !(1 << (lane % 64));
+    }
+
+    /// The field of a lane.
+    #[inline]
+    pub fn field(&self, slot: Slot, lane: u16) -> F {
+        self.fields[slot * self.lanes + usize::from(lane)]
+    }
+
+    /// Lanes with their fields.
+    #[inline]
+    pub fn loads(&self, slot: Slot) -> impl Iterator<Item = (u16, F)> + use<'_, F> {
+        self.lanes(slot).map(move |lane| (lane, self.field(slot, lane)))
+    }
+
+    /// Length travelled per medium, µm; empty if not followed.
+    pub fn lengths(&self, slot: Slot) -> &[f64] {
+        &self.lengths[slot * self.media..(slot + 1) * self.media]
+    }
+
+    /// Adds to the length travelled in a medium; lengths must be followed.
+    #[inline]
+    pub fn add_length(&mut self, slot: Slot, medium: MediumId, length: f64) {
+        self.lengths[slot * self.media + usize::from(medium.0)] += length;
+    }
+}
+
+/// The numbers of the bits that are set, ascending.
+pub struct Bits(pub u64);
+
+impl Iterator for Bits {
+    type Item = u16;
+
+    #[inline]
+    fn next(&mut self) -> Option<u16> {
+        if self.0 == 0 {
+            return None;
+        }
+        let bit = self.0.trailing_zeros() as u16;
+        self.0 &= self.0 - 1;
+        Some(bit)
     }
 }

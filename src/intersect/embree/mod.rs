@@ -134,8 +134,10 @@ struct Geometry {
 /// What the callbacks need of one call: the questions, and where answers go.
 struct Payload {
     queries: *const Query,
-    skipped: *const f64,
     nearest: *mut Nearest,
+    /// By number of the ray in the packet: its query and answer, and the distance by which its start was moved.
+    slots: [usize; 16],
+    skipped: [f64; 16],
     /// Not null: collect every crossing of query 0 instead.
     all: *mut All,
 }
@@ -209,52 +211,59 @@ impl Embree {
         }
     }
 
-    /// Completes the nearest interfaces of `queries`.
-    pub fn nearest(&self, queries: &[Query], coherence: Coherence, answers: &mut [Nearest]) {
-        self.nearest_by(Width::best(coherence), queries, coherence, answers);
+    /// Completes the nearest interfaces of some of `queries`.
+    pub fn nearest(&self, queries: &[Query], which: &[usize], coherence: Coherence, answers: &mut [Nearest]) {
+        self.nearest_by(Width::best(coherence), queries, which, coherence, answers);
     }
 
     /// The same with a given packet width.
     ///
     /// # Panics
-    /// When there are fewer answers than queries.
-    pub fn nearest_by(&self, width: Width, queries: &[Query], coherence: Coherence, answers: &mut [Nearest]) {
-        assert!(queries.len() <= answers.len());
+    /// When a number in `which` is out of range.
+    pub fn nearest_by(
+        &self,
+        width: Width,
+        queries: &[Query],
+        which: &[usize],
+        coherence: Coherence,
+        answers: &mut [Nearest],
+    ) {
         if self._geometries.is_empty() {
             return;
         }
         match width {
-            Width::One => self.packets::<sys::One>(queries, coherence, answers),
-            Width::Four => self.packets::<sys::Four>(queries, coherence, answers),
-            Width::Eight => self.packets::<sys::Eight>(queries, coherence, answers),
-            Width::Sixteen => self.packets::<sys::Sixteen>(queries, coherence, answers),
+            Width::One => self.packets::<sys::One>(queries, which, coherence, answers),
+            Width::Four => self.packets::<sys::Four>(queries, which, coherence, answers),
+            Width::Eight => self.packets::<sys::Eight>(queries, which, coherence, answers),
+            Width::Sixteen => self.packets::<sys::Sixteen>(queries, which, coherence, answers),
         }
     }
 
-    fn packets<P: sys::Packet>(&self, queries: &[Query], coherence: Coherence, answers: &mut [Nearest]) {
+    fn packets<P: sys::Packet>(&self, queries: &[Query], which: &[usize], coherence: Coherence, answers: &mut [Nearest]) {
         let coherent = c_int::from(coherence == Coherence::Coherent);
         let mut packet = P::default();
-        let mut skipped = [0.0; 16];
-        for (queries, answers) in queries.chunks(P::WIDTH).zip(answers.chunks_mut(P::WIDTH)) {
-            for (i, (query, answer)) in queries.iter().zip(&*answers).enumerate() {
-                let ray = self.proxy.ray(&query.ray);
-                packet.set(i, i, &ray, self.proxy.reach(answer.horizon(), &ray));
-                skipped[i] = ray.skipped;
+        let mut payload = Payload {
+            queries: queries.as_ptr(),
+            nearest: answers.as_mut_ptr(),
+            slots: [0; 16],
+            skipped: [0.0; 16],
+            all: ptr::null_mut(),
+        };
+        for slots in which.chunks(P::WIDTH) {
+            for (i, &slot) in slots.iter().enumerate() {
+                let ray = self.proxy.ray(&queries[slot].ray);
+                packet.set(i, i, &ray, self.proxy.reach(answers[slot].horizon(), &ray));
+                payload.slots[i] = slot;
+                payload.skipped[i] = ray.skipped;
             }
             // Embree's packets may call back for inactive rays: let those be the first ray once more.
-            let first = self.proxy.ray(&queries[0].ray);
-            for i in queries.len()..P::WIDTH {
+            let first = self.proxy.ray(&queries[slots[0]].ray);
+            for i in slots.len()..P::WIDTH {
                 packet.set(i, 0, &first, -1.0);
             }
-            let mut payload = Payload {
-                queries: queries.as_ptr(),
-                skipped: skipped.as_ptr(),
-                nearest: answers.as_mut_ptr(),
-                all: ptr::null_mut(),
-            };
-            // SAFETY: the scene is committed; the payload and what it points to outlive the call, and each ray
-            // of the packet has its query, skipped distance and answer at its own number.
-            unsafe { packet.intersect(queries.len(), self.raw, (&raw mut payload).cast(), coherent) };
+            // SAFETY: the scene is committed; the payload and what it points to outlive the call, and each ray of
+            // the packet has its query and answer at its slot, both of which were just indexed.
+            unsafe { packet.intersect(slots.len(), self.raw, (&raw mut payload).cast(), coherent) };
         }
     }
 
@@ -266,7 +275,8 @@ impl Embree {
         let ray = self.proxy.ray(&query.ray);
         let mut packet = sys::One::default();
         sys::Packet::set(&mut packet, 0, 0, &ray, self.proxy.reach(query.limit, &ray));
-        let mut payload = Payload { queries: query, skipped: &ray.skipped, nearest: ptr::null_mut(), all: found };
+        let mut payload =
+            Payload { queries: query, nearest: ptr::null_mut(), slots: [0; 16], skipped: [ray.skipped; 16], all: found };
         // SAFETY: as in `packets`, with one ray.
         unsafe { sys::Packet::intersect(&mut packet, 1, self.raw, (&raw mut payload).cast(), 0) };
     }
@@ -308,16 +318,16 @@ unsafe extern "C" fn intersect<const KIND: u8>(args: *const RTCIntersectFunction
         // SAFETY: `rayhit` is a packet of N rays.
         let mut ray = unsafe { sys::Lane::new(args.rayhit, lanes, lane) };
         let number = ray.number();
-        // SAFETY: `packets` numbers rays by their place in the slices behind the payload; `all` has number 0.
+        // SAFETY: rays are numbered within the packet; `packets` and `all` put valid slots there.
         unsafe {
-            let query = &*payload.queries.add(number);
+            let slot = payload.slots[number];
+            let query = &*payload.queries.add(slot);
             if payload.all.is_null() {
-                let answer = &mut *payload.nearest.add(number);
+                let answer = &mut *payload.nearest.add(slot);
                 let horizon = answer.horizon();
                 propose::<KIND>(geometry, query, args.primID, answer);
                 if answer.horizon() != horizon {
-                    let skipped = *payload.skipped.add(number);
-                    ray.shorten(geometry.proxy.reach_after(answer.horizon(), skipped));
+                    ray.shorten(geometry.proxy.reach_after(answer.horizon(), payload.skipped[number]));
                 }
             } else {
                 propose::<KIND>(geometry, query, args.primID, &mut *payload.all);

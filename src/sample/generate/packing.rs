@@ -184,31 +184,24 @@ impl<'a> Grid<'a> {
 
     fn is_free(&self, p: DVec3, centers: &[DVec3]) -> bool {
         let cell = self.cell(p);
-        let ranges: [Vec<usize>; 3] = std::array::from_fn(|i| self.around(i, cell[i]));
-        for &z in &ranges[2] {
-            for &y in &ranges[1] {
-                for &x in &ranges[0] {
-                    let close = |&n: &u32| self.distance_squared(p, centers[n as usize]) < 4.0 * self.packing.radius.powi(2);
-                    if self.members[self.index([x, y, z])].iter().any(close) {
-                        return false;
-                    }
-                }
-            }
-        }
-        true
+        let closest = 4.0 * self.packing.radius.powi(2);
+        let close = |n: &u32| self.distance_squared(p, centers[*n as usize]) < closest;
+        !self.around(2, cell[2]).any(|z| {
+            self.around(1, cell[1]).any(|y| {
+                self.around(0, cell[0]).any(|x| self.members[self.index([x, y, z])].iter().any(close))
+            })
+        })
     }
 
-    /// The cells next to `c` along axis `i`, each once.
-    fn around(&self, i: usize, c: usize) -> Vec<usize> {
+    /// The cells next to `c` along axis `i`; in a narrow periodic slab some twice.
+    fn around(&self, i: usize, c: usize) -> impl Iterator<Item = usize> + use<> {
         let n = self.cells[i];
-        let mut out: Vec<usize> = if self.packing.periodic && i < 2 {
-            vec![(c + n - 1) % n, c, (c + 1) % n]
-        } else {
-            (c.saturating_sub(1)..=(c + 1).min(n - 1)).collect()
-        };
-        out.sort_unstable();
-        out.dedup();
-        out
+        let wraps = self.packing.periodic && i < 2;
+        (0..3).filter_map(move |k| match (c + k).checked_sub(1) {
+            Some(x) if x < n => Some(x),
+            Some(_) => wraps.then_some(0),
+            None => wraps.then_some(n - 1),
+        })
     }
 
     fn distance_squared(&self, a: DVec3, b: DVec3) -> f64 {
