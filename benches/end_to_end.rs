@@ -8,14 +8,14 @@ use glam::DVec2;
 use gonio_embree::experiment::{Settings, measure};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelengths};
+use gonio_embree::media::Dispersion;
+use gonio_embree::optics::C64;
 use gonio_embree::plan::{Limits, Wanted};
+use gonio_embree::sample::Sample;
 use gonio_embree::sample::description::{Description, Fill, Medium, Named, Patch, Sides};
 use gonio_embree::sample::generate::bricks::Bricks;
 use gonio_embree::sample::generate::packing::{Packing, SpherePacking};
 use gonio_embree::sample::problem::Place;
-use gonio_embree::sample::Sample;
-use gonio_embree::media::Dispersion;
-use gonio_embree::optics::C64;
 
 fn named(name: &str) -> Named {
     Named { name: name.into(), place: Place::default() }
@@ -66,11 +66,32 @@ struct Case {
 fn main() {
     let path = Limits { depth: 64, splits: 0, ..Limits::default() };
     let cases = [
-        Case { name: "14,000 spheres n 1.5 in 1.33, depth 64, 1 λ", description: spheres(1.33), wavelengths: 1, trees: 400_000, limits: path },
-        Case { name: "14,000 spheres n 1.5 in 1.52, depth 64, 1 λ", description: spheres(1.52), wavelengths: 1, trees: 400_000, limits: path },
-        Case { name: "feather, 16 λ", description: feather(), wavelengths: 16, trees: 200_000, limits: Limits::default() },
+        Case {
+            name: "14,000 spheres n 1.5 in 1.33, depth 64, 1 λ",
+            description: spheres(1.33),
+            wavelengths: 1,
+            trees: 400_000,
+            limits: path,
+        },
+        Case {
+            name: "14,000 spheres n 1.5 in 1.52, depth 64, 1 λ",
+            description: spheres(1.52),
+            wavelengths: 1,
+            trees: 400_000,
+            limits: path,
+        },
+        Case {
+            name: "feather, 16 λ",
+            description: feather(),
+            wavelengths: 16,
+            trees: 200_000,
+            limits: Limits::default(),
+        },
     ];
-    println!("{:46} {:8} {:>7} {:>10} {:>10} {:>10} {:>9}", "", "backend", "threads", "Mpaths/s", "Mseg/s", "seg/path", "vs 1 thr");
+    println!(
+        "{:46} {:8} {:>7} {:>10} {:>10} {:>10} {:>9}",
+        "", "backend", "threads", "Mpaths/s", "Mseg/s", "seg/path", "vs 1 thr"
+    );
     for case in cases {
         for backend in Backend::available().into_iter().filter(|b| *b != Backend::Brute) {
             let mut alone = 0.0;
@@ -81,7 +102,12 @@ fn main() {
                 }
                 println!(
                     "{:46} {:8} {threads:7} {:10.3} {:10.3} {:10.2} {:9.2}",
-                    case.name, backend.name(), paths / 1e6, segments / 1e6, segments / paths, paths / alone
+                    case.name,
+                    backend.name(),
+                    paths / 1e6,
+                    segments / 1e6,
+                    segments / paths,
+                    paths / alone
                 );
             }
         }

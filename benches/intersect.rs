@@ -68,9 +68,10 @@ fn rate(mut work: impl FnMut()) -> f64 {
 
 fn main() {
     let primitives = Arc::new(spheres().finish());
-    for (name, queries, coherence) in
-        [("coherent", coherent(&primitives), Coherence::Coherent), ("scattered", scattered(&primitives), Coherence::Scattered)]
-    {
+    for (name, queries, coherence) in [
+        ("coherent", coherent(&primitives), Coherence::Coherent),
+        ("scattered", scattered(&primitives), Coherence::Scattered),
+    ] {
         println!("{name}: Mrays/s, one thread");
         for backend in [Backend::Embree, Backend::Obvhs] {
             let Ok(scene) = Scene::new(primitives.clone(), Aabb::INFINITE, backend) else { continue };

@@ -67,7 +67,11 @@ impl std::error::Error for UnitError {}
 /// Splits "50 nm" into 50 and "nm".
 fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
-    let end = text.char_indices().map(|(i, c)| i + c.len_utf8()).rev().find(|&i| text[..i].trim_end().parse::<f64>().is_ok())?;
+    let end = text
+        .char_indices()
+        .map(|(i, c)| i + c.len_utf8())
+        .rev()
+        .find(|&i| text[..i].trim_end().parse::<f64>().is_ok())?;
     Some((text[..end].trim_end().parse().ok()?, text[end..].trim()))
 }
 

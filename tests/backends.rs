@@ -26,7 +26,11 @@ struct Case {
 /// A case whose body has no end, so that lines through it need not leave it.
 const ENDLESS: &str = "endless cylinder";
 
-fn build(name: &'static str, aim: impl Fn(&mut Xoshiro256PlusPlus) -> DVec3 + 'static, fill: impl Fn(&mut Builder)) -> Case {
+fn build(
+    name: &'static str,
+    aim: impl Fn(&mut Xoshiro256PlusPlus) -> DVec3 + 'static,
+    fill: impl Fn(&mut Builder),
+) -> Case {
     let mut builder = Builder::default();
     fill(&mut builder);
     Case { name, primitives: Arc::new(builder.finish()), aim: Box::new(aim) }
@@ -127,22 +131,28 @@ fn cases() -> Vec<Case> {
                     let (min, max) = (DVec3::new(-1000.0, -1000.0, z), DVec3::new(1000.0, 1000.0, z + tiny));
                     b.add(Shape::Cuboid(Cuboid { min, max }), i);
                 }
-                Mesh::cube().map(|p| p * DVec3::new(2000.0, 2000.0, 0.05) + DVec3::new(-1000.0, -1000.0, -0.05)).add_to(b, 20);
+                Mesh::cube()
+                    .map(|p| p * DVec3::new(2000.0, 2000.0, 0.05) + DVec3::new(-1000.0, -1000.0, -0.05))
+                    .add_to(b, 20);
             },
         ),
-        build(
-            "everything",
-            |r| in_cube(r),
-            move |b| {
-                Mesh::ball(2).map(|p| 0.3 * p + DVec3::new(0.5, 0.5, 0.5)).add_to(b, 0);
-                b.add(Shape::Sphere(Sphere { center: DVec3::new(-0.5, 0.5, 0.2), radius: 0.4 }), 1);
-                b.add(Shape::Cylinder(cylinder(DVec3::new(-1.0, -0.5, 0.0), DVec3::new(1.0, -0.4, 0.3), [0.2, 0.1], DVec3::Z)), 2);
-                b.add(Shape::Cuboid(Cuboid { min: DVec3::splat(-0.9), max: DVec3::new(0.1, -0.2, -0.5) }), 3);
-                b.add(Shape::Layer(Layer { bottom: -0.5, top: -0.4 }), 4);
-                b.add(Shape::Layer(Layer { bottom: -0.4, top: -0.3 }), 5);
-                b.add(Shape::Layer(Layer { bottom: f64::NEG_INFINITY, top: -0.95 }), 6);
-            },
-        ),
+        build("everything", in_cube, move |b| {
+            Mesh::ball(2).map(|p| 0.3 * p + DVec3::new(0.5, 0.5, 0.5)).add_to(b, 0);
+            b.add(Shape::Sphere(Sphere { center: DVec3::new(-0.5, 0.5, 0.2), radius: 0.4 }), 1);
+            b.add(
+                Shape::Cylinder(cylinder(
+                    DVec3::new(-1.0, -0.5, 0.0),
+                    DVec3::new(1.0, -0.4, 0.3),
+                    [0.2, 0.1],
+                    DVec3::Z,
+                )),
+                2,
+            );
+            b.add(Shape::Cuboid(Cuboid { min: DVec3::splat(-0.9), max: DVec3::new(0.1, -0.2, -0.5) }), 3);
+            b.add(Shape::Layer(Layer { bottom: -0.5, top: -0.4 }), 4);
+            b.add(Shape::Layer(Layer { bottom: -0.4, top: -0.3 }), 5);
+            b.add(Shape::Layer(Layer { bottom: f64::NEG_INFINITY, top: -0.95 }), 6);
+        }),
     ]
 }
 
@@ -188,10 +198,8 @@ fn run(rays_per_case: usize) {
     for case in cases() {
         let domain = Aabb { min: DVec3::splat(-20.0), max: DVec3::splat(20.0) };
         let domain = if case.name == ENDLESS { domain } else { Aabb::INFINITE };
-        let scenes: Vec<Scene> = Backend::available()
-            .into_iter()
-            .map(|b| Scene::new(case.primitives.clone(), domain, b).unwrap())
-            .collect();
+        let scenes: Vec<Scene> =
+            Backend::available().into_iter().map(|b| Scene::new(case.primitives.clone(), domain, b).unwrap()).collect();
         let (brute, others) = scenes.split_last().unwrap();
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(7);
         let (mut met, mut done) = (0, 0);

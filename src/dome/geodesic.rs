@@ -76,7 +76,8 @@ fn roots() -> [[DVec3; 3]; 20] {
     let r = 2.0 * z;
     let ring = |k: usize, up: bool| {
         // Built from one half by mirroring, so that the two rings have exactly opposite heights.
-        let angle = std::f64::consts::PI / 5.0 * (2 * (k % 5)) as f64 + if up { 0.0 } else { std::f64::consts::PI / 5.0 };
+        let angle =
+            std::f64::consts::PI / 5.0 * (2 * (k % 5)) as f64 + if up { 0.0 } else { std::f64::consts::PI / 5.0 };
         DVec3::new(r * angle.cos(), r * angle.sin(), if up { z } else { -z })
     };
     let (north, south) = (DVec3::Z, DVec3::NEG_Z);

@@ -170,22 +170,23 @@ fn trees_of_batch(trees: u64, scramble: u32) -> u32 {
 fn units<'a>(light: &'a Light, settings: &'a Settings) -> impl Iterator<Item = Unit> + 'a {
     let Settings { seed, trees, .. } = *settings;
     (0..light.incidences.len() as u32).flat_map(move |incidence| {
-        (0..batches(trees)).flat_map(move |scramble| {
-            Unit::cut(Batch { seed, incidence, scramble }, trees_of_batch(trees, scramble))
-        })
+        (0..batches(trees))
+            .flat_map(move |scramble| Unit::cut(Batch { seed, incidence, scramble }, trees_of_batch(trees, scramble)))
     })
 }
 
 /// The mirror direction, and the straight one behind the sample per lane; unreachable where refraction is total.
 fn delta(sample: &Sample, plan: &Plan, incidence: &Incidence) -> Delta {
     let d = incidence.propagation();
-    let index = |medium: crate::sample::MediumId, wavelength: usize| sample.media[usize::from(medium.0)].index[wavelength].re;
+    let index =
+        |medium: crate::sample::MediumId, wavelength: usize| sample.media[usize::from(medium.0)].index[wavelength].re;
     let straight = |&wavelength: &usize| {
         let (n1, n2) = (index(sample.above, wavelength), index(sample.below, wavelength));
         if n1 == n2 {
             return d;
         }
-        fresnel::refracted_cos(n1, n2, -d.z, fresnel::other_leg(-d.z)).map_or(DVec3::ZERO, |cos| (n1 / n2 * d).with_z(-cos))
+        fresnel::refracted_cos(n1, n2, -d.z, fresnel::other_leg(-d.z))
+            .map_or(DVec3::ZERO, |cos| (n1 / n2 * d).with_z(-cos))
     };
     Delta { specular: d.with_z(-d.z), undeflected: plan.lanes.iter().map(straight).collect() }
 }

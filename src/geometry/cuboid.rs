@@ -44,13 +44,13 @@ impl Cuboid {
     /// Outward normal of a face.
     pub fn normal(face: u8) -> DVec3 {
         let mut n = DVec3::ZERO;
-        n[usize::from(face / 2)] = if face % 2 == 0 { -1.0 } else { 1.0 };
+        n[usize::from(face / 2)] = if face.is_multiple_of(2) { -1.0 } else { 1.0 };
         n
     }
 
     /// A corner of a face (enough to fix its plane).
     pub fn corner(&self, face: u8) -> DVec3 {
-        if face % 2 == 0 { self.min } else { self.max }
+        if face.is_multiple_of(2) { self.min } else { self.max }
     }
 
     /// Bounds.

@@ -20,7 +20,8 @@ pub struct Pairs<'a> {
 impl<'a> Pairs<'a> {
     /// Sorts boxes into cells of about their median size. Empty boxes are left out.
     pub fn new(boxes: &'a [Aabb]) -> Self {
-        let mut edges: Vec<f64> = boxes.iter().map(|b| b.size().max_element()).filter(|e| e.is_finite() && *e > 0.0).collect();
+        let mut edges: Vec<f64> =
+            boxes.iter().map(|b| b.size().max_element()).filter(|e| e.is_finite() && *e > 0.0).collect();
         edges.sort_by(f64::total_cmp);
         let size = DVec3::splat(edges.get(edges.len() / 2).copied().unwrap_or(1.0));
         let mut grid = Self { boxes, size, cells: HashMap::new(), large: Vec::new() };
@@ -38,7 +39,8 @@ impl<'a> Pairs<'a> {
     fn range(&self, b: &Aabb) -> Option<impl Iterator<Item = I64Vec3> + use<>> {
         let (low, high) = ((b.min / self.size).floor(), (b.max / self.size).floor());
         let count = (high - low + 1.0).element_product();
-        if b.is_empty() || !(count <= MANY_CELLS as f64) || low.abs().max_element() > 1e15 {
+        let few = count <= MANY_CELLS as f64; // false for a box that is no box
+        if b.is_empty() || !few || low.abs().max_element() > 1e15 {
             return None;
         }
         let (low, high) = (low.as_i64vec3(), high.as_i64vec3());

@@ -269,7 +269,8 @@ impl Primitives {
 
     /// Number of distinct surfaces; ids are `1..=surface_count`.
     pub fn surface_count(&self) -> usize {
-        let curved = self.spheres.tags.iter().map(|t| t.surfaces[0]).chain(self.cylinders.tags.iter().map(|t| t.surfaces[0]));
+        let curved =
+            self.spheres.tags.iter().map(|t| t.surfaces[0]).chain(self.cylinders.tags.iter().map(|t| t.surfaces[0]));
         curved.map(|s| s.0 as usize).max().unwrap_or(0).max(self.planes.len())
     }
 
@@ -451,7 +452,8 @@ impl Primitives {
         }
         for ((t, face), enters) in [(enter, true), (leave, false)] {
             let surface = surfaces[usize::from(face)];
-            let admitted = if face == Cylinder::MANTLE { query.admits(t, surface) } else { query.admits_plane(t, surface) };
+            let admitted =
+                if face == Cylinder::MANTLE { query.admits(t, surface) } else { query.admits_plane(t, surface) };
             if admitted {
                 sink.offer(t, surface, Crossing { prim, owner, face, enters });
             }

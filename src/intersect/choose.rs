@@ -102,9 +102,7 @@ impl fmt::Display for BackendError {
                 let names: Vec<_> = Backend::available().iter().map(|b| b.name()).collect();
                 write!(f, "backend `{b}` is not part of this build, which has {}", names.join(", "))?;
                 match b {
-                    Backend::Embree => {
-                        f.write_str("; apt-get install libembree-dev libclang-dev, then build again")
-                    }
+                    Backend::Embree => f.write_str("; apt-get install libembree-dev libclang-dev, then build again"),
                     _ => write!(f, "; build with `--features {b}`"),
                 }
             }

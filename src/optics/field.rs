@@ -208,12 +208,7 @@ impl Field for Stokes {
     fn times(&self, Powers { shares, cross }: &Powers) -> Self {
         let [x, y] = self.powers();
         let (x, y) = (x * shares.p, y * shares.s);
-        Self {
-            i: x + y,
-            q: x - y,
-            u: self.u * cross.re - self.v * cross.im,
-            v: self.v * cross.re + self.u * cross.im,
-        }
+        Self { i: x + y, q: x - y, u: self.u * cross.re - self.v * cross.im, v: self.v * cross.re + self.u * cross.im }
     }
 
     #[inline]

@@ -103,7 +103,10 @@ pub fn solve(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64
     if layers.is_empty() {
         return bare(incidence, last);
     }
-    Pair { s: sweep_both(incidence, layers, last, wavelength, false), p: sweep_both(incidence, layers, last, wavelength, true) }
+    Pair {
+        s: sweep_both(incidence, layers, last, wavelength, false),
+        p: sweep_both(incidence, layers, last, wavelength, true),
+    }
 }
 
 /// Tangential fields, with their common power of two and the logarithm of the factor left out of them.

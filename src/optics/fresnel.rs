@@ -100,11 +100,16 @@ pub fn dielectric(n1: f64, n2: f64, cos: f64, sin: f64) -> Dielectric {
     let difference = (n1 - n2) * (n1 + n2);
     let per = Pair { s: 1.0 / (q1 + q2), p: 1.0 / (n2_2 * q1 + n1_2 * q2) };
     let per_n2 = 1.0 / n2;
-    let r = Pair {
-        s: difference * per.s * per.s,
-        p: -difference * (n2_2 * q1 * q1 - n1_2 * kx_squared) * per.p * per.p,
-    };
-    Dielectric::Partial(Refracted { r, product: q1 * q2, index_product: n1 * n2, per, ratio: n1 * per_n2, cos: q2 * per_n2 })
+    let r =
+        Pair { s: difference * per.s * per.s, p: -difference * (n2_2 * q1 * q1 - n1_2 * kx_squared) * per.p * per.p };
+    Dielectric::Partial(Refracted {
+        r,
+        product: q1 * q2,
+        index_product: n1 * n2,
+        per,
+        ratio: n1 * per_n2,
+        cos: q2 * per_n2,
+    })
 }
 
 /// r = (q₁ − iκ)/(q₁ + iκ), for p with κ n₁²/n₂² in place of κ and the sign of p.

@@ -89,7 +89,8 @@ impl Plan {
         let absorption = absorption(sample, all);
         let differ = dispersion.on || interference.on || absorption.on;
         // Where nothing depends on the wavelength, one stands for all.
-        let (lanes, lane_of) = if differ { ((0..count).collect(), (0..count).collect()) } else { (vec![0], vec![0; count]) };
+        let (lanes, lane_of) =
+            if differ { ((0..count).collect(), (0..count).collect()) } else { (vec![0], vec![0; count]) };
         let together: Vec<u16> = (0..lanes.len() as u16).collect();
         let bundles = if dispersion.on { together.iter().map(|&l| vec![l]).collect() } else { vec![together] };
         let phase = phase(all);
@@ -144,9 +145,8 @@ fn dispersion(sample: &Sample, all: bool) -> Effect {
 }
 
 fn absorption(sample: &Sample, all: bool) -> Effect {
-    let largest = travelled(sample)
-        .flat_map(|id| sample.media[usize::from(id.0)].index.iter().map(|n| n.im))
-        .fold(0.0, f64::max);
+    let largest =
+        travelled(sample).flat_map(|id| sample.media[usize::from(id.0)].index.iter().map(|n| n.im)).fold(0.0, f64::max);
     let opaque = sample.solids.iter().any(|s| !matches!(s.matter, Matter::Medium(_)));
     let (on, reason) = match (largest > 0.0, opaque) {
         (true, _) => (true, format!("k is up to {largest}")),

@@ -97,7 +97,10 @@ struct Face {
 }
 
 enum Form {
-    Planar { normal: DVec3, outline: Vec<DVec3> },
+    Planar {
+        normal: DVec3,
+        outline: Vec<DVec3>,
+    },
     /// z = height, everywhere.
     Level(f64),
     Sphere(Sphere),
@@ -156,7 +159,9 @@ impl Face {
             Form::Planar { normal, outline } => {
                 Aabb::around(outline.iter().flat_map(|&p| [p - reach * *normal, p + reach * *normal]))
             }
-            Form::Level(z) => Aabb { min: DVec3::NEG_INFINITY.with_z(z - reach), max: DVec3::INFINITY.with_z(z + reach) },
+            Form::Level(z) => {
+                Aabb { min: DVec3::NEG_INFINITY.with_z(z - reach), max: DVec3::INFINITY.with_z(z + reach) }
+            }
             Form::Sphere(s) if self.flat_spot() < wavelength => Aabb::around([s.center]),
             Form::Sphere(s) => s.bounds().inflate(reach),
             Form::Mantle(c) if self.flat_spot() < wavelength && c.length.is_finite() => {
@@ -167,7 +172,8 @@ impl Face {
     }
 
     fn may_face_a_level(&self, wavelength: f64) -> bool {
-        matches!(&self.form, Form::Planar { normal, .. } if normal.z.abs() >= PARALLEL) || self.flat_spot() >= wavelength
+        matches!(&self.form, Form::Planar { normal, .. } if normal.z.abs() >= PARALLEL)
+            || self.flat_spot() >= wavelength
     }
 
     fn parallel_to(&self, other: &Self, reach: f64, wavelength: f64) -> bool {
@@ -176,7 +182,9 @@ impl Face {
         }
         match (&self.form, &other.form) {
             (Form::Planar { normal, outline }, Form::Planar { normal: n, outline: o }) => {
-                normal.dot(*n).abs() >= PARALLEL && gap(*normal, outline, o) <= reach && outlines_overlap(*normal, outline, o)
+                normal.dot(*n).abs() >= PARALLEL
+                    && gap(*normal, outline, o) <= reach
+                    && outlines_overlap(*normal, outline, o)
             }
             (Form::Planar { normal, outline }, Form::Level(z)) | (Form::Level(z), Form::Planar { normal, outline }) => {
                 normal.z.abs() >= PARALLEL && outline.iter().any(|p| (p.z - z).abs() <= reach)
@@ -187,7 +195,11 @@ impl Face {
                 concentric && (a.radius - b.radius).abs() <= reach
             }
             (Form::Mantle(a), Form::Mantle(b)) => coaxial(a, b, reach),
-            _ => self.prim != other.prim && self.flat_spot().max(other.flat_spot()) >= wavelength && self.is_near(other, reach),
+            _ => {
+                self.prim != other.prim
+                    && self.flat_spot().max(other.flat_spot()) >= wavelength
+                    && self.is_near(other, reach)
+            }
         }
     }
 

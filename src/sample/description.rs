@@ -104,6 +104,7 @@ pub struct Object {
 
 /// A body, or a stack of films.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "most objects are solids")]
 pub enum Body {
     /// One body.
     Solid(Shape, Fill),

@@ -117,7 +117,8 @@ impl Sample {
         if let Some(id) = above
             && media.tables[usize::from(id.0)].absorbs()
         {
-            problems.push(description.above.place.problem("above: light must come through a medium that does not absorb"));
+            problems
+                .push(description.above.place.problem("above: light must come through a medium that does not absorb"));
         }
         let cell = parts.cell(description, coherence_length, &mut problems);
         problems.or(())?;
@@ -174,7 +175,8 @@ impl<'a> MediaList<'a> {
             let own = self.description.media.iter().map(|m| m.name.as_str());
             let all = builtins();
             let hint = suggestion(&named.name, own.chain(all.iter().flat_map(|b| b.names.iter().copied())));
-            let message = format!("unknown medium `{0}`{hint}; define it under [media], for example {0} = 1.5", named.name);
+            let message =
+                format!("unknown medium `{0}`{hint}; define it under [media], for example {0} = 1.5", named.name);
             named.place.problem(message)
         })
     }
@@ -329,7 +331,10 @@ impl Parts {
     fn bounds(&self) -> Aabb {
         let finite = |b: Aabb| {
             let unbounded = b.size().map(|e| if e.is_finite() { 0.0 } else { 1.0 }).cmpgt(DVec3::splat(0.5));
-            Aabb { min: DVec3::select(unbounded, DVec3::ZERO, b.min), max: DVec3::select(unbounded, DVec3::ZERO, b.max) }
+            Aabb {
+                min: DVec3::select(unbounded, DVec3::ZERO, b.min),
+                max: DVec3::select(unbounded, DVec3::ZERO, b.max),
+            }
         };
         self.shapes.iter().filter_map(|(base, _)| base.bounds()).fold(Aabb::EMPTY, |all, b| all.union(finite(b)))
     }
@@ -394,7 +399,9 @@ impl Parts {
         for (number, (shape, owner)) in self.shapes.iter().enumerate() {
             repeats.add(shape, number as u32, *owner, &cell, zone);
             if repeats.count > MOST_PRIMITIVES {
-                let message = format!("more than {MOST_PRIMITIVES} primitives with their repetitions; enlarge the patch or simplify");
+                let message = format!(
+                    "more than {MOST_PRIMITIVES} primitives with their repetitions; enlarge the patch or simplify"
+                );
                 return Err(description.place.problem(message).into());
             }
         }
@@ -460,7 +467,9 @@ impl Base {
         match self {
             Self::Triangles(mesh) => {
                 let corners = mesh.triangles.iter().map(|&t| mesh.corners(t));
-                corners.flat_map(|[a, b, c]| (0..2).filter(move |&i| a[i] == b[i] && b[i] == c[i]).map(move |i| (i, a[i]))).collect()
+                corners
+                    .flat_map(|[a, b, c]| (0..2).filter(move |&i| a[i] == b[i] && b[i] == c[i]).map(move |i| (i, a[i])))
+                    .collect()
             }
             Self::Shape(geometry::Shape::Cuboid(b)) => (0..2).flat_map(|i| [(i, b.min[i]), (i, b.max[i])]).collect(),
             Self::Shape(geometry::Shape::Cylinder(c)) if c.length.is_finite() => {
@@ -527,9 +536,7 @@ impl Repeats {
             if !Aabb::around(corners).overlaps(zone) {
                 continue;
             }
-            let mut corner = |k: usize| {
-                *moved[t[k] as usize].get_or_insert_with(|| self.builder.vertex(corners[k]))
-            };
+            let mut corner = |k: usize| *moved[t[k] as usize].get_or_insert_with(|| self.builder.vertex(corners[k]));
             let triangle = Triangle { corners: [corner(0), corner(1), corner(2)] };
             self.push(geometry::Shape::Triangle(triangle), owner, Placed { base: (number, i as u32), shift });
         }

@@ -190,14 +190,18 @@ impl Mesh {
         let parts = self.parts();
         let meshes: Vec<Self> = parts
             .iter()
-            .map(|p| Self { vertices: self.vertices.clone(), triangles: p.iter().map(|&i| self.triangles[i]).collect() })
+            .map(|p| Self {
+                vertices: self.vertices.clone(),
+                triangles: p.iter().map(|&i| self.triangles[i]).collect(),
+            })
             .collect();
         for (i, part) in parts.iter().enumerate() {
             if meshes[i].volume() >= 0.0 {
                 continue;
             }
             let probe = self.vertices[meshes[i].triangles[0][0] as usize];
-            let cavity = (0..meshes.len()).any(|j| j != i && meshes[j].bounds().contains(probe) && meshes[j].encloses(probe));
+            let cavity =
+                (0..meshes.len()).any(|j| j != i && meshes[j].bounds().contains(probe) && meshes[j].encloses(probe));
             if !cavity {
                 part.iter().for_each(|&t| self.triangles[t].swap(1, 2));
             }

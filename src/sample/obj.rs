@@ -140,7 +140,9 @@ fn check_numbers(path: &Path, text: &str) -> Result<(), Problems> {
         }
         let numbers = words.clone().take(3).filter_map(|w| w.parse::<f64>().ok()).filter(|x| x.is_finite()).count();
         if numbers < 3 {
-            problems.push(Place::line(path, i + 1).problem(format!("`{}`: expected v x y z with finite numbers", line.trim())));
+            problems.push(
+                Place::line(path, i + 1).problem(format!("`{}`: expected v x y z with finite numbers", line.trim())),
+            );
         }
     }
     problems.or(())
@@ -214,7 +216,8 @@ impl File {
             (None, Some(known), _) => known.dispersion,
             (None, None, Some(ni)) => {
                 let index = C64::new(ni, 0.0);
-                media::check_index(index).map_err(|e| place.problem(format!("material `{}`: Ni {ni}: {e}", material.name)))?;
+                media::check_index(index)
+                    .map_err(|e| place.problem(format!("material `{}`: Ni {ni}: {e}", material.name)))?;
                 Dispersion::Constant(index)
             }
             (None, None, None) => {

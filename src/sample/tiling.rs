@@ -46,8 +46,9 @@ impl Cell {
                 }
             }
         }
-        for axis in 0..2 {
-            let best = (0..OVERLAPS.len()).max_by(|&a, &b| clear[axis][a].min(1e-3).total_cmp(&clear[axis][b].min(1e-3)).then(b.cmp(&a)));
+        for (axis, clear) in clear.iter().enumerate() {
+            let best =
+                (0..OVERLAPS.len()).max_by(|&a, &b| clear[a].min(1e-3).total_cmp(&clear[b].min(1e-3)).then(b.cmp(&a)));
             self.overlap[axis] = self.size[axis] * OVERLAPS[best.unwrap_or(0)];
         }
     }

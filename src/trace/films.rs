@@ -169,10 +169,13 @@ impl<F: Field> Films<F> {
     }
 }
 
+/// What a stack does to each lane.
+type PerLane<F> = Box<[Beams<<F as Field>::Passage>]>;
+
 /// Solutions by stack and cosine.
 struct Solved<F: Field> {
     key: Vec<u64>,
-    known: HashMap<Box<[u64]>, Box<[Beams<F::Passage>]>>,
+    known: HashMap<Box<[u64]>, PerLane<F>>,
 }
 
 /// Solutions kept before the memory is emptied.

@@ -145,7 +145,13 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
 
     /// Gives each lane its share in the reflected and the transmitted beam, or lets it choose one.
     #[inline(always)]
-    fn divide(&mut self, plane: &Plane, action: &Action<'_, F::Passage>, behind: Option<Behind<'_>>, absorbs: bool) -> BeamSlots {
+    fn divide(
+        &mut self,
+        plane: &Plane,
+        action: &Action<'_, F::Passage>,
+        behind: Option<Behind<'_>>,
+        absorbs: bool,
+    ) -> BeamSlots {
         let slot = self.slot;
         let Flight { events, branch, .. } = self.stream.flights[slot];
         let splits = events < self.kernel.plan.limits.splits;
@@ -175,7 +181,9 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
                 if both {
                     self.give(&mut beams, REFLECTED, lane, field.times(r));
                     self.give(&mut beams, TRANSMITTED, lane, field.times(t));
-                } else if transmitted == 0.0 || *lot.get_or_insert_with(|| draw(branch, events, self.numbers)) * kept < reflected {
+                } else if transmitted == 0.0
+                    || *lot.get_or_insert_with(|| draw(branch, events, self.numbers)) * kept < reflected
+                {
                     self.give(&mut beams, REFLECTED, lane, field.times(r).scaled(kept / reflected));
                 } else {
                     self.give(&mut beams, TRANSMITTED, lane, field.times(t).scaled(kept / transmitted));

@@ -151,7 +151,9 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
     /// Sends rays on: through convex bodies with nothing in them at once, else to where they wait to be asked.
     fn go_on(&mut self, recorder: &mut impl Recorder<F>) {
         while let Some(slot) = self.ready.pop() {
-            if let Some((order, crossing)) = self.kernel.leave_lonely(&self.stream.queries[slot], &self.stream.flights[slot]) {
+            if let Some((order, crossing)) =
+                self.kernel.leave_lonely(&self.stream.queries[slot], &self.stream.flights[slot])
+            {
                 self.segments += 1;
                 self.meet(slot, order, &[crossing], recorder);
                 continue;
@@ -201,7 +203,8 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
             around,
         };
         let numbers = self.keys[(flight.tree - self.first_tree) as usize];
-        let mut partition = Partition { kernel, stream: &mut self.stream, slot, interface: &interface, numbers, recorder };
+        let mut partition =
+            Partition { kernel, stream: &mut self.stream, slot, interface: &interface, numbers, recorder };
         let beams = partition.run(&mut self.films);
         // The reflected beam is sent on first.
         self.ready.extend(beams.into_iter().rev().flatten());

@@ -147,7 +147,7 @@ pub struct Embree {
     raw: sys::RTCScene,
     proxy: Proxy,
     // Dropped after `raw` is released (see `Drop`): Embree holds their addresses.
-    _geometries: Vec<Box<Geometry>>,
+    _geometries: Box<[Geometry]>,
     _device: Device,
 }
 
@@ -163,12 +163,10 @@ impl Embree {
     /// What the library reports.
     pub fn new(primitives: &Arc<Primitives>, proxy: Proxy) -> Result<Self, String> {
         let device = Device::new()?;
-        let geometries: Vec<_> = Kind::BOUNDED
+        let geometries: Box<[_]> = Kind::BOUNDED
             .into_iter()
             .filter(|&kind| primitives.count(kind) > 0)
-            .map(|kind| {
-                Box::new(Geometry { primitives: primitives.clone(), proxy, kind, first: primitives.first(kind).0 })
-            })
+            .map(|kind| Geometry { primitives: primitives.clone(), proxy, kind, first: primitives.first(kind).0 })
             .collect();
         // SAFETY: the device is valid.
         let raw = unsafe { sys::rtcNewScene(device.raw) };
@@ -239,7 +237,13 @@ impl Embree {
         }
     }
 
-    fn packets<P: sys::Packet>(&self, queries: &[Query], which: &[usize], coherence: Coherence, answers: &mut [Nearest]) {
+    fn packets<P: sys::Packet>(
+        &self,
+        queries: &[Query],
+        which: &[usize],
+        coherence: Coherence,
+        answers: &mut [Nearest],
+    ) {
         let coherent = c_int::from(coherence == Coherence::Coherent);
         let mut packet = P::default();
         let mut payload = Payload {
@@ -275,8 +279,13 @@ impl Embree {
         let ray = self.proxy.ray(&query.ray);
         let mut packet = sys::One::default();
         sys::Packet::set(&mut packet, 0, 0, &ray, self.proxy.reach(query.limit, &ray));
-        let mut payload =
-            Payload { queries: query, nearest: ptr::null_mut(), slots: [0; 16], skipped: [ray.skipped; 16], all: found };
+        let mut payload = Payload {
+            queries: query,
+            nearest: ptr::null_mut(),
+            slots: [0; 16],
+            skipped: [ray.skipped; 16],
+            all: found,
+        };
         // SAFETY: as in `packets`, with one ray.
         unsafe { sys::Packet::intersect(&mut packet, 1, self.raw, (&raw mut payload).cast(), 0) };
     }

@@ -72,7 +72,9 @@ impl Bricks {
         let shell = t.point("shell").unwrap_or(base.shell);
         let bottom = t.length("bottom").unwrap_or(base.bottom);
         if count.iter().any(|n| *n < 1.0 || *n > 1e4 || n.fract() != 0.0) || count[0] * count[1] * layers as f64 > 1e6 {
-            t.complain(format!("count = {count:?} in {layers} layers: expected whole numbers, at most 10^6 bricks in all"));
+            t.complain(format!(
+                "count = {count:?} in {layers} layers: expected whole numbers, at most 10^6 bricks in all"
+            ));
             return None;
         }
         let made = Self { layers, count: count.map(|n| n as usize), size, shell, bottom, medium, core };
@@ -92,7 +94,10 @@ impl Bricks {
             return Err(format!("size = {}: all edges must be greater than 0", self.size));
         }
         if self.shell.min_element() < 0.0 || (2.0 * self.shell).cmpge(self.size).any() {
-            return Err(format!("shell = {}: expected 0 or more, and less than half of size = {}", self.shell, self.size));
+            return Err(format!(
+                "shell = {}: expected 0 or more, and less than half of size = {}",
+                self.shell, self.size
+            ));
         }
         Ok(())
     }

@@ -187,9 +187,8 @@ impl<'a> Grid<'a> {
         let closest = 4.0 * self.packing.radius.powi(2);
         let close = |n: &u32| self.distance_squared(p, centers[*n as usize]) < closest;
         !self.around(2, cell[2]).any(|z| {
-            self.around(1, cell[1]).any(|y| {
-                self.around(0, cell[0]).any(|x| self.members[self.index([x, y, z])].iter().any(close))
-            })
+            self.around(1, cell[1])
+                .any(|y| self.around(0, cell[0]).any(|x| self.members[self.index([x, y, z])].iter().any(close)))
         })
     }
 
