@@ -43,6 +43,8 @@ pub struct Ledger {
     pub specular: Vec<Estimate>,
     /// Straight through, exactly.
     pub undeflected: Vec<Estimate>,
+    /// Met faces so narrow that ray optics is in doubt; contained in the others.
+    pub doubtful: Vec<Estimate>,
     /// Lost because media contradicted themselves.
     pub lost_medium: Vec<Estimate>,
     /// Lost beyond the depth limit.
@@ -53,7 +55,7 @@ pub struct Ledger {
 
 impl Ledger {
     /// Names and entries, in a fixed order.
-    pub fn entries(&self) -> [(&'static str, &Vec<Estimate>); 9] {
+    pub fn entries(&self) -> [(&'static str, &Vec<Estimate>); 10] {
         [
             ("reflected", &self.reflected),
             ("transmitted", &self.transmitted),
@@ -61,6 +63,7 @@ impl Ledger {
             ("side", &self.side),
             ("specular", &self.specular),
             ("undeflected", &self.undeflected),
+            ("small_feature_flux", &self.doubtful),
             ("lost_medium", &self.lost_medium),
             ("lost_depth", &self.lost_depth),
             ("lost_numeric", &self.lost_numeric),
@@ -68,7 +71,7 @@ impl Ledger {
     }
 
     /// The same, to be changed.
-    pub fn entries_mut(&mut self) -> [(&'static str, &mut Vec<Estimate>); 9] {
+    pub fn entries_mut(&mut self) -> [(&'static str, &mut Vec<Estimate>); 10] {
         [
             ("reflected", &mut self.reflected),
             ("transmitted", &mut self.transmitted),
@@ -76,6 +79,7 @@ impl Ledger {
             ("side", &mut self.side),
             ("specular", &mut self.specular),
             ("undeflected", &mut self.undeflected),
+            ("small_feature_flux", &mut self.doubtful),
             ("lost_medium", &mut self.lost_medium),
             ("lost_depth", &mut self.lost_depth),
             ("lost_numeric", &mut self.lost_numeric),

@@ -40,6 +40,8 @@ pub struct Tally {
     pub specular: Vec<f64>,
     /// In the straight direction.
     pub undeflected: Vec<f64>,
+    /// Met faces so narrow that ray optics is in doubt.
+    pub doubtful: Vec<f64>,
     /// Facets hit, ascending, with the trees that hit them.
     facets: Vec<(u32, u32)>,
     /// Their power: one row of lanes per facet.
@@ -59,6 +61,7 @@ impl Tally {
             lost: std::array::from_fn(|_| zero()),
             specular: zero(),
             undeflected: zero(),
+            doubtful: zero(),
             ..Self::default()
         }
     }
@@ -82,7 +85,7 @@ impl Tally {
     }
 
     /// Number of entries of the ledger, deltas included.
-    pub const TERMS: usize = 9;
+    pub const TERMS: usize = 10;
 
     /// An entry of the ledger, per lane.
     pub fn term(&self, i: usize) -> &[f64] {
@@ -93,7 +96,8 @@ impl Tally {
             3 => &self.side,
             4 => &self.specular,
             5 => &self.undeflected,
-            _ => &self.lost[i - 6],
+            6 => &self.doubtful,
+            _ => &self.lost[i - 7],
         }
     }
 
@@ -105,7 +109,8 @@ impl Tally {
             3 => &mut self.side,
             4 => &mut self.specular,
             5 => &mut self.undeflected,
-            _ => &mut self.lost[i - 6],
+            6 => &mut self.doubtful,
+            _ => &mut self.lost[i - 7],
         }
     }
 
@@ -231,6 +236,10 @@ impl<F: Field> Recorder<F> for Detector<'_> {
 
     fn lose(&mut self, why: Loss, lane: u16, power: f64) {
         self.tally.lost[why as usize][usize::from(lane)] += power;
+    }
+
+    fn doubt(&mut self, lane: u16, power: f64) {
+        self.tally.doubtful[usize::from(lane)] += power;
     }
 
     fn segments(&mut self, count: usize) {

@@ -1,5 +1,7 @@
 //! The order of work: plan, trace, evaluate.
 
+mod provenance;
+
 use std::time::Instant;
 
 use glam::DVec3;
@@ -13,7 +15,9 @@ use crate::optics::field::{Field, Jones, Stokes};
 use crate::optics::fresnel;
 use crate::plan::{Limits, Plan, State, Wanted};
 use crate::sample::Sample;
-use crate::trace::{Batch, Kernel, StackCounts, Unit, run};
+use crate::trace::{Batch, Kernel, Stacks, Unit, run};
+
+pub use provenance::Origin;
 
 /// Independent scrambles per incidence.
 pub const BATCHES: u32 = 32;
@@ -45,7 +49,7 @@ pub struct Outcome {
     /// The plan it was made by.
     pub plan: Plan,
     /// Stacks of films met.
-    pub stacks: StackCounts,
+    pub stacks: Stacks,
     /// Wall time, s.
     pub seconds: f64,
     /// Part of it spent on tracing, s.
@@ -128,7 +132,7 @@ impl<W: FnMut(Progress)> Gather<W> {
         settings: &Settings,
         kernel: &Kernel<'_>,
         pool: &rayon::ThreadPool,
-    ) -> StackCounts {
+    ) -> Stacks {
         let locator = Locator::new(settings.dome_level);
         let deltas: Vec<Delta> = light.incidences.iter().map(|i| delta(sample, kernel.plan(), i)).collect();
         let units: Vec<Unit> = units(light, settings).collect();

@@ -337,6 +337,11 @@ impl Primitives {
         self.planes.get((surface.0 as usize).wrapping_sub(1))
     }
 
+    /// A corner of triangles.
+    pub fn vertex(&self, index: u32) -> DVec3 {
+        self.vertices[index as usize]
+    }
+
     /// The corners of a triangle.
     #[inline]
     pub fn corners(&self, triangle: Triangle) -> [DVec3; 3] {

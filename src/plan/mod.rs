@@ -1,9 +1,11 @@
 //! Which effects a sample and a light call for: immutable, printable, made before any ray is cast.
 
+pub mod features;
 pub mod stacks;
 
 use crate::light::Light;
 use crate::sample::{Matter, MediumId, Sample};
+use features::Features;
 use stacks::Marks;
 
 /// An effect with the reason why it is simulated, or not.
@@ -68,6 +70,8 @@ pub struct Plan {
     pub bundles: Vec<Vec<u16>>,
     /// Faces where films may begin.
     pub marks: Marks,
+    /// Faces so narrow that ray optics is in doubt.
+    pub features: Features,
     /// What rays carry.
     pub state: State,
     /// Difference of optical paths up to which films are coherent, µm.
@@ -81,6 +85,8 @@ impl Plan {
     pub fn new(sample: &Sample, light: &Light, limits: Limits, wanted: Wanted) -> Self {
         let shortest = light.wavelengths.nm()[0] / 1e3;
         let coherence_length = light.coherence_length();
+        let longest = light.wavelengths.nm()[light.wavelengths.len() - 1] / 1e3;
+        let features = Features::new(&sample.primitives, longest);
         let marks = Marks::new(&sample.primitives, sample.cell.reach, shortest);
         let count = light.wavelengths.len();
         let all = wanted == Wanted::All;
@@ -96,7 +102,7 @@ impl Plan {
         let phase = phase(all);
         let state = if phase.on { State::Jones } else { State::Stokes };
         let effects = vec![interference, polarization(), phase, dispersion, absorption];
-        Self { effects, lanes, lane_of, bundles, marks, state, coherence_length, limits }
+        Self { effects, lanes, lane_of, bundles, marks, features, state, coherence_length, limits }
     }
 }
 

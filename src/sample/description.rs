@@ -1,6 +1,6 @@
 //! What the user wrote, as it was written: shapes, media by name, and where each stood.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DMat3, DVec2, DVec3};
 use toml::de::DeValue;
@@ -22,6 +22,8 @@ const MOST_FILMS: usize = 100_000;
 pub struct Description {
     /// File it came from.
     pub place: Place,
+    /// All files it came from.
+    pub files: Vec<PathBuf>,
     /// Name of the medium above.
     pub above: Named,
     /// Name of the medium below.
@@ -223,7 +225,8 @@ fn read_file(file: &Table<'_>, path: &Path) -> Description {
     if objects.is_empty() && file.get("object").is_none() && file.get("generate").is_none() {
         file.source().note(Place::file(path).problem("the sample is empty; add an [[object]] or a [[generate]]"));
     }
-    Description { place: Place::file(path), above, below, patch, sides, media, objects }
+    let files = file.source().files();
+    Description { place: Place::file(path), files, above, below, patch, sides, media, objects }
 }
 
 fn read_unit(header: &Table<'_>) -> Option<LengthUnit> {

@@ -77,6 +77,7 @@ impl Description {
         let air = Named { name: "air".into(), place: Place::file(path) };
         problems.or(Self {
             place: Place::file(path),
+            files: file.files(),
             above: air.clone(),
             below: air,
             patch: options.patch,
@@ -175,6 +176,13 @@ fn find_line(text: &str, keyword: &str) -> Option<(usize, String)> {
 }
 
 impl File {
+    /// The file and its material libraries.
+    fn files(&self) -> Vec<PathBuf> {
+        let beside = self.path.parent().unwrap_or(Path::new(""));
+        let libraries = self.text.lines().filter_map(|line| line.trim().strip_prefix("mtllib "));
+        std::iter::once(self.path.clone()).chain(libraries.map(|name| beside.join(name.trim()))).collect()
+    }
+
     /// The line that says `keyword name` for one of the keywords.
     fn line_of(&self, keywords: &[&str], name: &str) -> Option<usize> {
         let says = |line: &str| {

@@ -20,6 +20,8 @@ pub struct Source {
     path: PathBuf,
     text: String,
     problems: RefCell<Problems>,
+    /// Other files it names.
+    named: RefCell<Vec<PathBuf>>,
 }
 
 impl Source {
@@ -29,7 +31,7 @@ impl Source {
     /// When it cannot be read or is no text.
     pub fn read(path: &Path) -> Result<Self, Problem> {
         let text = fs::read_to_string(path).map_err(|e| Place::file(path).problem(format!("cannot be read: {e}")))?;
-        Ok(Self { path: path.into(), text, problems: RefCell::default() })
+        Ok(Self { path: path.into(), text, problems: RefCell::default(), named: RefCell::default() })
     }
 
     /// Parses the file as TOML; what cannot be parsed is left out and noted.
@@ -42,9 +44,18 @@ impl Source {
         table
     }
 
-    /// The directory of the file: others are looked up from there.
+    /// Another file, named in this one: it is looked up from the same directory.
     pub fn beside(&self, name: &str) -> PathBuf {
-        self.path.parent().unwrap_or(Path::new("")).join(name)
+        let path = self.path.parent().unwrap_or(Path::new("")).join(name);
+        self.named.borrow_mut().push(path.clone());
+        path
+    }
+
+    /// This file and those it names.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut files = vec![self.path.clone()];
+        files.extend(self.named.borrow().iter().cloned());
+        files
     }
 
     /// The line of a byte range.

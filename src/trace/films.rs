@@ -1,6 +1,6 @@
 //! Thin films in the geometry: searched along the normal, solved once per stack and cosine.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
@@ -63,7 +63,45 @@ pub struct Films<F: Field> {
     stack: Stack,
     crossings: Vec<Crossing>,
     solved: Solved<F>,
-    counts: HashMap<Box<[u16]>, u64>,
+    /// The media of the stack at hand.
+    sequence: Vec<u16>,
+    stacks: Stacks,
+}
+
+/// The stacks that were met.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stacks {
+    /// How often each sequence of media was met.
+    pub hits: BTreeMap<Vec<u16>, u64>,
+    /// Thickness of the thinnest layer, µm; infinite without any.
+    pub thinnest: f64,
+}
+
+impl Default for Stacks {
+    fn default() -> Self {
+        Self { hits: BTreeMap::new(), thinnest: f64::INFINITY }
+    }
+}
+
+impl Stacks {
+    fn add(&mut self, layers: &[(MediumId, f64)], key: &mut Vec<u16>) {
+        key.clear();
+        key.extend(layers.iter().map(|l| l.0.0));
+        self.thinnest = layers.iter().fold(self.thinnest, |least, l| least.min(l.1));
+        if let Some(n) = self.hits.get_mut(key) {
+            *n += 1;
+        } else if self.hits.len() < MOST_COUNTED {
+            self.hits.insert(key.clone(), 1);
+        }
+    }
+
+    /// Adds what others met.
+    pub fn merge(&mut self, other: Self) {
+        self.thinnest = self.thinnest.min(other.thinnest);
+        for (media, n) in other.hits {
+            *self.hits.entry(media).or_default() += n;
+        }
+    }
 }
 
 /// Different sequences of media counted.
@@ -79,7 +117,8 @@ impl<F: Field> Films<F> {
             stack: Stack { layers: Vec::new(), last, depth: 0.0, surface, crossing, inside },
             crossings: Vec::new(),
             solved: Solved { key: Vec::new(), known: HashMap::new() },
-            counts: HashMap::new(),
+            sequence: Vec::new(),
+            stacks: Stacks::default(),
         }
     }
 
@@ -95,7 +134,7 @@ impl<F: Field> Films<F> {
         if !self.search(scene, solids, media, start, reach) {
             return None;
         }
-        self.count();
+        self.stacks.add(&self.stack.layers, &mut self.sequence);
         let Stack { layers, last, .. } = &self.stack;
         let solution = self.solved.get_or_solve(media, start.first, layers, *last, start.slant);
         Some((&self.stack, solution))
@@ -154,18 +193,9 @@ impl<F: Field> Films<F> {
         !stack.layers.is_empty()
     }
 
-    fn count(&mut self) {
-        let media: Vec<u16> = self.stack.layers.iter().map(|l| l.0.0).collect();
-        if let Some(n) = self.counts.get_mut(&media[..]) {
-            *n += 1;
-        } else if self.counts.len() < MOST_COUNTED {
-            self.counts.insert(media.into(), 1);
-        }
-    }
-
-    /// How often each sequence of media was met.
-    pub fn into_counts(self) -> HashMap<Box<[u16]>, u64> {
-        self.counts
+    /// What was met.
+    pub fn into_stacks(self) -> Stacks {
+        self.stacks
     }
 }
 

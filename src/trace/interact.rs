@@ -34,6 +34,8 @@ pub struct Interface<'a> {
     pub at: PrimId,
     /// Whether a stack of films may begin here.
     pub may_be_film: bool,
+    /// Whether the face is so narrow that ray optics is in doubt.
+    pub narrow: bool,
     /// What a ray is inside of behind it.
     pub inside: &'a Inside,
     /// What is behind it.
@@ -101,6 +103,7 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
 
     /// A perfect conductor's signs.
     fn mirror(&mut self, share: f64) -> BeamSlots {
+        self.doubt();
         let a = C64::new(share.sqrt(), 0.0);
         let c = Coefficients { r: Pair { s: -a, p: a }, t: Pair { s: C64::ZERO, p: C64::ZERO } };
         let plane = self.plane();
@@ -108,7 +111,8 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
     }
 
     fn refract(&mut self, films: &mut Films<F>, last: MediumId) -> BeamSlots {
-        let media = &self.kernel.media;
+        let kernel = self.kernel;
+        let media = &kernel.media;
         let first = self.stream.flights[self.slot].medium;
         let Interface { point, normal, surface, at, inside, .. } = *self.interface;
         let (lane, alone) = self.stream.first_lane(self.slot);
@@ -132,6 +136,7 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
                 return self.divide(&plane, &Action::PerLane(table), behind, absorbs);
             }
         }
+        self.doubt();
         let (action, refraction) = if media.varies(first, last) && !alone {
             let table = films.interface(media, first, last, plane.slant);
             (Action::PerLane(table), media.refraction(first, last, lane, plane.slant))
@@ -141,6 +146,15 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
         };
         let behind = refraction.map(|refraction| Behind { point, surface, at, inside, medium: last, refraction });
         self.divide(&plane, &action, behind, media.is_opaque(last))
+    }
+
+    /// Tells of a ray that meets a narrow face for the first time.
+    #[inline]
+    fn doubt(&mut self) {
+        let doubtful = &mut self.stream.flights[self.slot].doubtful;
+        if self.interface.narrow && !std::mem::replace(doubtful, true) {
+            self.stream.loads(self.slot).for_each(|(lane, field)| self.recorder.doubt(lane, field.power()));
+        }
     }
 
     /// Gives each lane its share in the reflected and the transmitted beam, or lets it choose one.
@@ -265,6 +279,7 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
 
     /// Lambert reflection: a direction with density cos θ/π, unpolarized.
     fn scatter(&mut self, share: f64) -> BeamSlots {
+        self.doubt();
         let slot = self.slot;
         for word in 0..self.stream.words() {
             for bit in Bits(self.stream.word(slot, word)) {

@@ -11,10 +11,11 @@ mod schedule;
 mod stream;
 mod tracer;
 
+pub use films::Stacks;
 pub use kernel::Kernel;
 pub use random::{Batch, TreeNumbers};
 #[cfg(test)]
 pub(crate) use record::tests as testing;
 pub use record::{Exit, Loss, Recorder};
-pub use schedule::{Detect, StackCounts, Unit, run};
+pub use schedule::{Detect, Unit, run};
 pub use tracer::{Tracer, TreeKey};

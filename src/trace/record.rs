@@ -60,6 +60,9 @@ pub trait Recorder<F> {
     fn absorb(&mut self, lane: u16, power: f64);
     /// Power of a lane was lost.
     fn lose(&mut self, why: Loss, lane: u16, power: f64);
+    /// Power of a lane met, for the first time on its way, a face so narrow that ray optics is in doubt, outside
+    /// of films.
+    fn doubt(&mut self, lane: u16, power: f64);
     /// Segments were traced.
     fn segments(&mut self, count: usize);
 }
@@ -78,7 +81,7 @@ pub(crate) mod tests {
         let (frame, at, medium, inside) = (DVec3::X, PrimId(0), crate::sample::MediumId(0), Inside::NOTHING);
         let (branch, events, walk, border) = (1, 0, [0, 0], Border::Out);
         let query = Primitives::default().query(Ray { origin: DVec3::ZERO, dir });
-        let slot = stream.insert(query, Flight { frame, at, medium, inside, tree, branch, events, walk, border });
+        let slot = stream.insert(query, Flight { frame, at, medium, inside, tree, branch, events, walk, border, doubtful: false });
         stream.put(slot, 0, field);
         let (position, anchor) = (DVec3::ZERO, DVec3::ZERO);
         recorder.exit(&Exit { tree, dir, frame, position, anchor, slot, stream: &stream });

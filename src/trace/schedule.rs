@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError, mpsc};
 
+use super::films::Stacks;
 use super::kernel::Kernel;
 use super::random::{Batch, TreeNumbers};
 use super::record::Recorder;
@@ -47,9 +48,6 @@ pub trait Detect<F: Field>: Recorder<F> {
     fn finish(&mut self, trees: u64) -> Self::Part;
 }
 
-/// How often each sequence of media was met as a stack of films.
-pub type StackCounts = BTreeMap<Vec<u16>, u64>;
-
 /// Traces `units` on all threads of `pool`. `detector` makes one recorder per thread; `deliver` gets the parts in
 /// the order of the units, and stops the work by returning `false`.
 pub fn run<F: Field, D: Detect<F>>(
@@ -59,11 +57,11 @@ pub fn run<F: Field, D: Detect<F>>(
     pool: &rayon::ThreadPool,
     detector: impl Fn() -> D + Sync,
     mut deliver: impl FnMut(&Unit, D::Part) -> bool,
-) -> StackCounts {
+) -> Stacks {
     let next = AtomicUsize::new(0);
     let delivered = Mutex::new(0usize);
     let progress = Condvar::new();
-    let stacks = Mutex::new(StackCounts::new());
+    let stacks = Mutex::new(Stacks::default());
     let (sender, receiver) = mpsc::channel();
     let work = |sender: mpsc::Sender<(usize, D::Part)>| {
         let mut worker = Worker { tracer: Tracer::<F>::new(kernel), detector: detector(), order: Vec::new() };
@@ -79,10 +77,7 @@ pub fn run<F: Field, D: Detect<F>>(
                 break;
             }
         }
-        let mut all = stacks.lock().unwrap_or_else(PoisonError::into_inner);
-        for (media, n) in worker.tracer.into_stack_counts() {
-            *all.entry(media).or_default() += n;
-        }
+        stacks.lock().unwrap_or_else(PoisonError::into_inner).merge(worker.tracer.into_stacks());
     };
     pool.in_place_scope(|scope| {
         for _ in 0..pool.current_num_threads() {

@@ -30,6 +30,8 @@ pub struct Flight {
     pub walk: [i32; 2],
     /// What ends its way if no interface does.
     pub border: Border,
+    /// Whether it has met a face so narrow that ray optics is in doubt.
+    pub doubtful: bool,
 }
 
 /// Number of a ray.

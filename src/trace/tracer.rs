@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::films::Films;
+use super::films::{Films, Stacks};
 use super::inside::{Around, Inside};
 use super::interact::{Interface, Partition};
 use super::kernel::{Border, Kernel};
@@ -12,6 +12,7 @@ use crate::geometry::{Crossing, Order, PrimId, Ray};
 use crate::intersect::Coherence;
 use crate::light::{Incidence, Polarization};
 use crate::optics::field::Field;
+use crate::plan::Plan;
 
 /// Random numbers of a tree, as far as its rays need them.
 #[derive(Clone, Copy, Debug)]
@@ -87,9 +88,9 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
         recorder.segments(self.segments);
     }
 
-    /// The media sequences of the stacks met so far, with how often each was met.
-    pub fn into_stack_counts(self) -> Vec<(Vec<u16>, u64)> {
-        self.films.into_counts().into_iter().map(|(media, n)| (media.into(), n)).collect()
+    /// The stacks met so far.
+    pub fn into_stacks(self) -> Stacks {
+        self.films.into_stacks()
     }
 
     fn launch(
@@ -125,6 +126,7 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
                 events: 0,
                 walk: [0, 0],
                 border,
+                doubtful: false,
             };
             for bundle in &kernel.plan.bundles {
                 let slot = self.stream.insert(query, flight.clone());
@@ -192,13 +194,15 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
         let crossing = crossings[0];
         let (point, normal) = primitives.settle(crossing, order.surface, ray.at(order.t));
         let normal = if normal.dot(ray.dir) > 0.0 { -normal } else { normal };
+        let Plan { marks, features, .. } = kernel.plan;
         let interface = Interface {
             dir: ray.dir,
             point,
             normal,
             surface: order.surface,
             at: crossing.prim,
-            may_be_film: kernel.plan.marks.any() && crossings.iter().any(|c| kernel.plan.marks.marked(c.prim, c.face)),
+            may_be_film: marks.any() && crossings.iter().any(|c| marks.marked(c.prim, c.face)),
+            narrow: features.any() && crossings.iter().all(|c| features.is_small(c.prim, c.face)),
             inside: &self.inside,
             around,
         };

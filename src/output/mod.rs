@@ -1,0 +1,10 @@
+//! Bytes for people and programs, one file per format. To add a format: a file with a pure function from
+//! [`Measured`] to bytes or text; [`atomic`] puts them on the disk.
+
+pub mod atomic;
+mod measured;
+pub mod netcdf;
+pub mod summary;
+pub mod table;
+
+pub use measured::{EffectUsed, Measured, Provenance, StackHits, UsedBackend, Validity, sha256_of_files};

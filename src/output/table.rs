@@ -1,0 +1,126 @@
+//! The result as people read it at the terminal.
+
+use std::fmt::Write as _;
+
+use super::measured::{Measured, Validity};
+use crate::bsdf::{Ledger, Scattering};
+use crate::dome::Estimate;
+use crate::plan::features::SMALL;
+use crate::units::show_length;
+
+/// One table per incidence, then what is to be said about all of them.
+pub fn text(measured: &Measured) -> String {
+    let mut out = String::new();
+    let shown = columns(&measured.bsdf.incidences);
+    for s in &measured.bsdf.incidences {
+        incidence(&mut out, s, &measured.bsdf.wavelength_nm, &shown);
+    }
+    notes(&mut out, measured);
+    out
+}
+
+/// Columns of the ledger that are shown: reflection and transmission always, the rest where there is any.
+fn columns(incidences: &[Scattering]) -> Vec<&'static str> {
+    let names = Ledger::default().entries().map(|(name, _)| name);
+    let any = |i: usize| incidences.iter().any(|s| s.ledger.entries()[i].1.iter().any(|e| e.value != 0.0));
+    names
+        .into_iter()
+        .enumerate()
+        .filter(|&(i, name)| matches!(name, "reflected" | "transmitted") || name != "small_feature_flux" && any(i))
+        .map(|(_, name)| name)
+        .collect()
+}
+
+/// Width of a column.
+const WIDTH: usize = 20;
+
+fn incidence(out: &mut String, s: &Scattering, wavelengths: &[f64], shown: &[&str]) {
+    let facets = s.facets.iter().filter(|f| f.trees > 0).count();
+    let _ = writeln!(
+        out,
+        "incidence θ {}°, φ {}°: {} trees, {} segments, {} facets hit",
+        s.incidence.theta_deg, s.incidence.phi_deg, s.trees, s.segments, facets
+    );
+    let _ = write!(out, "{:>8}", "λ/nm");
+    shown.iter().for_each(|name| {
+        let _ = write!(out, "{name:>WIDTH$}");
+    });
+    out.push('\n');
+    let entries: Vec<&Vec<Estimate>> =
+        s.ledger.entries().into_iter().filter(|(name, _)| shown.contains(name)).map(|(_, e)| e).collect();
+    for (w, wavelength) in wavelengths.iter().enumerate() {
+        let _ = write!(out, "{wavelength:>8}");
+        for entry in &entries {
+            let _ = write!(out, "{:>WIDTH$}", value(entry[w]));
+        }
+        out.push('\n');
+    }
+    out.push('\n');
+}
+
+/// A share with its standard error, as many digits as the error allows.
+fn value(e: Estimate) -> String {
+    if e.se.is_nan() || e.se == 0.0 {
+        return if e.value == 0.0 { "0".into() } else { tiny(e.value, 6) };
+    }
+    // Two digits of the error, but not beyond reason.
+    let decimals = (1 - e.se.log10().floor() as i32).clamp(2, 8) as usize;
+    format!("{} ±{:.decimals$}", tiny(e.value, decimals), e.se)
+}
+
+fn tiny(x: f64, decimals: usize) -> String {
+    if x != 0.0 && x.abs() < 0.5 * 0.1f64.powi(decimals as i32) { format!("{x:.1e}") } else { format!("{x:.decimals$}") }
+}
+
+fn notes(out: &mut String, measured: &Measured) {
+    let p = &measured.provenance;
+    let list = |on: bool| p.effects.iter().filter(|e| e.on == on).map(|e| &e.name[..]).collect::<Vec<_>>().join(", ");
+    let _ = writeln!(out, "simulated: {}; not needed: {}", or_none(list(true)), or_none(list(false)));
+    if let Some(stack) = p.stacks.iter().max_by_key(|s| s.hits) {
+        let hits: u64 = p.stacks.iter().map(|s| s.hits).sum();
+        let _ = writeln!(
+            out,
+            "films: {hits} stacks solved, of {} kinds; most often {} layers ({})",
+            p.stacks.len(),
+            stack.layers,
+            stack.media.join(", ")
+        );
+    }
+    let loss = measured.bsdf.largest_loss();
+    if loss > 0.0 {
+        let _ = writeln!(out, "energy lost: {loss:.1e} at most");
+    }
+    validity(out, &p.validity);
+}
+
+fn or_none(list: String) -> String {
+    if list.is_empty() { "nothing".into() } else { list }
+}
+
+fn validity(out: &mut String, v: &Validity) {
+    if v.small_feature_flux < 0.005 {
+        return;
+    }
+    let _ = writeln!(
+        out,
+        "ray optics is in doubt for up to {:.1} % of the light: it met faces narrower than {SMALL} wavelengths{}",
+        100.0 * v.small_feature_flux,
+        v.smallest_feature_um.map_or_else(String::new, |um| format!(" (smallest feature {})", show_length(um)))
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_show_as_many_digits_as_their_error() {
+        let show = |value, se| super::value(Estimate { value, se });
+        assert_eq!(show(0.123_456, 0.001_23), "0.1235 ±0.0012");
+        assert_eq!(show(0.123_456, 0.0), "0.123456");
+        assert_eq!(show(0.0, 0.0), "0");
+        assert_eq!(show(3e-9, 0.0), "3.0e-9");
+        assert_eq!(show(0.5, f64::NAN), "0.500000");
+        assert_eq!(show(2e-8, 1e-8), "0.00000002 ±0.00000001");
+    }
+}
