@@ -35,6 +35,17 @@ impl LengthUnit {
     }
 }
 
+impl fmt::Display for LengthUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Nanometre => "nm",
+            Self::Micrometre => "um",
+            Self::Millimetre => "mm",
+            Self::Metre => "m",
+        })
+    }
+}
+
 impl FromStr for LengthUnit {
     type Err = UnitError;
 

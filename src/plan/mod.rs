@@ -3,6 +3,9 @@
 pub mod features;
 pub mod stacks;
 
+use std::fmt;
+use std::str::FromStr;
+
 use crate::light::Light;
 use crate::sample::{Matter, MediumId, Sample};
 use features::Features;
@@ -46,6 +49,27 @@ pub enum Wanted {
     Auto,
     /// Every one.
     All,
+}
+
+impl fmt::Display for Wanted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::All => "all",
+        })
+    }
+}
+
+impl FromStr for Wanted {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "auto" => Ok(Self::Auto),
+            "all" => Ok(Self::All),
+            _ => Err(format!("`{s}`: expected auto or all")),
+        }
+    }
 }
 
 /// What rays carry per wavelength.

@@ -77,6 +77,15 @@ pub enum Sides {
     Open,
 }
 
+impl std::fmt::Display for Sides {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Periodic => "periodic",
+            Self::Open => "open",
+        })
+    }
+}
+
 impl std::str::FromStr for Sides {
     type Err = String;
 

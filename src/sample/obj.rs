@@ -4,13 +4,14 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use tobj::{LoadError, LoadOptions};
 
 use super::description::{Body, Description, Fill, Medium, Named, Object, Patch, Shape, Sides};
 use super::mesh::Mesh;
 use super::problem::{Place, Problem, Problems, suggestion};
 use super::reader::LARGEST;
+use crate::geometry::Aabb;
 use crate::media::{self, Dispersion, builtin};
 use crate::optics::C64;
 use crate::units::LengthUnit;
@@ -22,8 +23,8 @@ pub struct Options {
     pub unit: LengthUnit,
     /// What happens at the sides.
     pub sides: Sides,
-    /// Footprint of the beam, if not the bounding box.
-    pub patch: Option<Patch>,
+    /// Size of the footprint of the beam, µm, if not that of the bounding box; it lies around the centre of that.
+    pub patch: Option<DVec2>,
     /// Media of materials, by name.
     pub media: Vec<(String, C64)>,
 }
@@ -80,7 +81,7 @@ impl Description {
             files: file.files(),
             above: air.clone(),
             below: air,
-            patch: options.patch,
+            patch: options.patch.map(|size| file.patch(size)),
             sides: options.sides,
             media,
             objects,
@@ -176,6 +177,12 @@ fn find_line(text: &str, keyword: &str) -> Option<(usize, String)> {
 }
 
 impl File {
+    /// A footprint around the centre of all parts.
+    fn patch(&self, size: DVec2) -> Patch {
+        let bounds = self.parts.iter().fold(Aabb::EMPTY, |all, part| all.union(part.mesh.bounds()));
+        Patch { size, center: bounds.center().truncate() }
+    }
+
     /// The file and its material libraries.
     fn files(&self) -> Vec<PathBuf> {
         let beside = self.path.parent().unwrap_or(Path::new(""));

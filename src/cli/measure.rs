@@ -1,0 +1,265 @@
+//! The default command: measure a sample.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use clap::{ArgGroup, Args};
+use glam::DVec2;
+use gonio_embree::dome::FINEST_LEVEL;
+use gonio_embree::experiment::{Origin, Outcome, Settings, measure};
+use gonio_embree::intersect::choose::Backend;
+use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelengths};
+use gonio_embree::media::parse_index;
+use gonio_embree::optics::C64;
+use gonio_embree::output::{Measured, atomic, netcdf, sha256_of_files, summary, table};
+use gonio_embree::plan::{Limits, Wanted};
+use gonio_embree::plot;
+use gonio_embree::sample::description::Sides;
+use gonio_embree::sample::{Description, Sample, obj};
+use gonio_embree::units::{self, LengthUnit};
+
+use super::numbers::{Count, Values};
+use super::progress::{Line, duration};
+use super::{Failure, answer, tell};
+
+/// Options of a measurement.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("input").args(["mesh", "sample"]).required(true)))]
+pub struct Options {
+    /// A mesh: every part with a material is a body
+    #[arg(long, value_name = "FILE.obj", help_heading = "Sample")]
+    mesh: Option<PathBuf>,
+    /// A sample file
+    #[arg(long, value_name = "FILE.toml", help_heading = "Sample")]
+    sample: Option<PathBuf>,
+    /// Unit of a mesh: nm, um, mm or m
+    #[arg(long, default_value = "um", conflicts_with = "sample", help_heading = "Sample")]
+    unit: LengthUnit,
+    /// What lies beside a mesh: itself again for ever (periodic), or nothing (open)
+    #[arg(long, default_value = "periodic", conflicts_with = "sample", help_heading = "Sample")]
+    sides: Sides,
+    /// Footprint of the beam on a mesh [default: its bounding box]
+    #[arg(long, value_name = "W,D", conflicts_with = "sample", help_heading = "Sample")]
+    patch: Option<String>,
+    /// Refractive index of a material of a mesh, such as melanin=2.0+0.01i; may be repeated
+    #[arg(long, value_name = "NAME=INDEX", conflicts_with = "sample", help_heading = "Sample")]
+    medium: Vec<NamedIndex>,
+
+    /// Polar angles of incidence in degrees: start:stop:step (both ends), a list 0,20,75, or one number
+    #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "ANGLES", help_heading = "Light")]
+    incident: Values,
+    /// Azimuths of incidence in degrees, same forms
+    #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "ANGLES", help_heading = "Light")]
+    azimuth: Values,
+    /// Vacuum wavelengths in nm, same forms
+    #[arg(long, default_value = "400:700:20", value_name = "NM", help_heading = "Light")]
+    wavelengths: Values,
+    /// State of polarization: unpolarized, s or p
+    #[arg(long, default_value = "unpolarized", help_heading = "Light")]
+    polarization: Polarization,
+    /// What a wavelength stands for: its band (finite coherence length), or a laser line
+    #[arg(long, default_value = "band", value_name = "MODE", help_heading = "Light")]
+    source_mode: SourceMode,
+
+    /// Ray trees per incidence: 200000, 2e5, 200k or 1M
+    #[arg(long, default_value = "200k", value_name = "N", help_heading = "Work")]
+    trees: Count,
+    /// Effects to simulate: auto (those that can matter) or all
+    #[arg(long, default_value = "auto", help_heading = "Work")]
+    effects: Wanted,
+    /// Finest level of the geodesic dome; its facets are 63°/2^level wide
+    #[arg(long, default_value_t = 5, value_name = "LEVEL", help_heading = "Work",
+          value_parser = clap::value_parser!(u8).range(1..=i64::from(FINEST_LEVEL)))]
+    dome_level: u8,
+    /// Interfaces a ray may meet before its power counts as lost
+    #[arg(long, default_value_t = Limits::default().depth, value_name = "N", help_heading = "Work",
+          value_parser = clap::value_parser!(u32).range(1..))]
+    depth: u32,
+    /// Who intersects: auto, embree, obvhs or brute
+    #[arg(long, default_value = "auto", help_heading = "Work")]
+    backend: Backend,
+    /// Threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", help_heading = "Work", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Seed of all random numbers
+    #[arg(long, default_value_t = 1, value_name = "N", help_heading = "Work")]
+    seed: u64,
+    /// Largest share of the light that may be lost before the exit code is 1
+    #[arg(long, default_value_t = 1e-4, value_name = "SHARE", help_heading = "Work")]
+    max_lost: f64,
+
+    /// The result; a picture goes beside it [default: name of the input, .nc]
+    #[arg(short, long, value_name = "FILE.nc", help_heading = "Output")]
+    output: Option<PathBuf>,
+    /// Print one JSON document instead of the table
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+    /// Show no progress
+    #[arg(long, help_heading = "Output")]
+    quiet: bool,
+}
+
+/// `melanin=2.0+0.01i`.
+#[derive(Clone, Debug, PartialEq)]
+struct NamedIndex(String, C64);
+
+impl FromStr for NamedIndex {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, index) = text.split_once('=').ok_or("expected NAME=INDEX such as melanin=2.0+0.01i")?;
+        Ok(Self(name.trim().into(), parse_index(index)?))
+    }
+}
+
+/// Measures, and writes what came out.
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let light = options.light()?;
+    let description = options.description()?;
+    let sample = Sample::new(&description, &light.wavelengths, light.coherence_length())
+        .map_err(|e| Failure::Input(e.to_string()))?;
+    let origin = options.origin(&description)?;
+    let output = options.output_path();
+    let picture = output.with_extension("svg");
+    if picture == output {
+        return Err(Failure::Input("--output: the .svg file is for the picture; name the result FILE.nc".into()));
+    }
+    for path in [&output, &picture] {
+        atomic::check(path).map_err(|e| Failure::Input(format!("--output {}: cannot be written: {e}", path.display())))?;
+    }
+    let settings = options.settings();
+    let mut line = Line::new(options.quiet);
+    let outcome = measure(&sample, &light, &settings, |p| line.show(&p, light.incidences.len()));
+    line.clear();
+    let outcome = outcome.map_err(|e| Failure::Cannot(e.to_string()))?;
+    let times = times(&outcome);
+    let run = summary::Run { seconds: outcome.seconds, threads: settings.threads };
+    let measured = outcome.into_measured(&sample, &light, &settings, origin);
+    let bytes = netcdf::to_bytes(&measured).map_err(|e| Failure::Cannot(e.to_string()))?;
+    write(&output, &bytes)?;
+    write(&picture, plot::measurement(&measured).as_bytes())?;
+    answer(&if options.json { summary::json(&measured, &run) + "\n" } else { table::text(&measured) })?;
+    if !options.quiet {
+        tell(&format!("wrote {} and {}; {times}", output.display(), picture.display()));
+    }
+    options.gate(&measured)
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    atomic::write(path, bytes).map_err(|e| Failure::Cannot(format!("{}: cannot be written: {e}", path.display())))
+}
+
+fn times(outcome: &Outcome) -> String {
+    let trees: u64 = outcome.bsdf.incidences.iter().map(|s| s.trees).sum();
+    let rate = trees as f64 / outcome.tracing_seconds / 1e6;
+    format!("{} in all, {} of it tracing ({rate:.3} M trees/s)", duration(outcome.seconds), duration(outcome.tracing_seconds))
+}
+
+impl Options {
+    fn light(&self) -> Result<Light, Failure> {
+        let mut incidences = Vec::new();
+        for &phi_deg in &self.azimuth.all {
+            for &theta_deg in &self.incident.all {
+                if !(0.0..=Incidence::MAX_THETA_DEG).contains(&theta_deg) {
+                    let most = Incidence::MAX_THETA_DEG;
+                    return Err(Failure::Input(format!("--incident: {theta_deg}°: expected 0 to {most}°")));
+                }
+                incidences.push(Incidence { theta_deg, phi_deg });
+            }
+        }
+        let wavelengths = Wavelengths::from_nm(self.wavelengths.all.clone())
+            .map_err(|e| Failure::Input(format!("--wavelengths: {e}")))?;
+        Ok(Light { wavelengths, incidences, polarization: self.polarization, source: self.source_mode })
+    }
+
+    fn description(&self) -> Result<Description, Failure> {
+        let wrong = |e: &dyn std::fmt::Display| Failure::Input(e.to_string());
+        match (&self.mesh, &self.sample) {
+            (Some(path), _) => {
+                let media = self.medium.iter().map(|NamedIndex(name, index)| (name.clone(), *index)).collect();
+                let options = obj::Options { unit: self.unit, sides: self.sides, patch: self.patch()?, media };
+                Description::from_obj(path, &options).map_err(|e| wrong(&e))
+            }
+            (None, Some(path)) => Description::from_toml(path).map_err(|e| wrong(&e)),
+            (None, None) => Err(Failure::Input("give --mesh FILE.obj or --sample FILE.toml".into())),
+        }
+    }
+
+    /// Size of the footprint on a mesh, µm.
+    fn patch(&self) -> Result<Option<DVec2>, Failure> {
+        let Some(text) = &self.patch else { return Ok(None) };
+        let lengths: Vec<f64> = text.split(',').filter_map(|x| units::length(x, self.unit).ok()).collect();
+        match lengths[..] {
+            [w, d] if w > 0.0 && d > 0.0 && text.split(',').count() == 2 => Ok(Some(DVec2::new(w, d))),
+            _ => Err(Failure::Input(format!("--patch {text}: expected two lengths greater than 0, such as 12,10"))),
+        }
+    }
+
+    fn settings(&self) -> Settings {
+        let all_cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        Settings {
+            trees: self.trees.0,
+            seed: self.seed,
+            threads: self.threads.map_or_else(all_cores, usize::from),
+            backend: self.backend,
+            dome_level: self.dome_level,
+            limits: Limits { depth: self.depth, ..Limits::default() },
+            effects: self.effects,
+        }
+    }
+
+    fn input(&self) -> &Path {
+        self.mesh.as_ref().or(self.sample.as_ref()).map_or(Path::new("result"), PathBuf::as_path)
+    }
+
+    fn output_path(&self) -> PathBuf {
+        let stem = || PathBuf::from(self.input().file_stem().unwrap_or_default()).with_extension("nc");
+        self.output.clone().unwrap_or_else(stem)
+    }
+
+    fn origin(&self, description: &Description) -> Result<Origin, Failure> {
+        let files = description.files.clone();
+        let sha256 = sha256_of_files(&files).map_err(|e| Failure::Input(format!("the sample cannot be read: {e}")))?;
+        Ok(Origin { command: self.command(), files, sha256 })
+    }
+
+    /// The command that gives the same result.
+    fn command(&self) -> String {
+        let mut out = String::from("gonio-embree");
+        let mut add = |name: &str, value: &dyn std::fmt::Display| out += &format!(" --{name} {value}");
+        match (&self.mesh, &self.sample) {
+            (Some(path), _) => {
+                add("mesh", &path.display());
+                add("unit", &self.unit);
+                add("sides", &self.sides);
+                self.patch.iter().for_each(|p| add("patch", p));
+                self.medium.iter().for_each(|NamedIndex(name, n)| add("medium", &format!("{name}={}+{}i", n.re, n.im)));
+            }
+            (None, path) => path.iter().for_each(|p| add("sample", &p.display())),
+        }
+        add("incident", &self.incident);
+        add("azimuth", &self.azimuth);
+        add("wavelengths", &self.wavelengths);
+        add("polarization", &self.polarization);
+        add("source-mode", &self.source_mode);
+        add("trees", &self.trees);
+        add("effects", &self.effects);
+        add("dome-level", &self.dome_level);
+        add("depth", &self.depth);
+        add("backend", &self.backend);
+        add("seed", &self.seed);
+        out
+    }
+
+    fn gate(&self, measured: &Measured) -> Result<(), Failure> {
+        let lost = measured.bsdf.largest_loss();
+        if lost <= self.max_lost {
+            return Ok(());
+        }
+        Err(Failure::Quality(format!(
+            "{lost:.2e} of the light was lost, more than --max-lost {:e}; the table says to what: a greater --depth \
+             helps against lost_depth, a mended mesh against lost_medium",
+            self.max_lost
+        )))
+    }
+}

@@ -1,0 +1,110 @@
+//! The command line: what the user typed becomes a measurement, and the outcome an exit code.
+
+mod generate;
+mod measure;
+mod numbers;
+mod progress;
+
+use std::fmt;
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+use std::sync::OnceLock;
+
+use clap::{Parser, Subcommand};
+use gonio_embree::intersect::choose::Backend;
+
+/// A virtual goniospectrophotometer: the spectral BRDF and BTDF of a sample from its microgeometry, with error bars.
+#[derive(Debug, Parser)]
+#[command(
+    version = version(),
+    arg_required_else_help = true,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    after_help = "Exit codes: 0 done; 1 ran, but energy was lost beyond --max-lost; 2 bad input or usage; 3 cannot run."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    measure: measure::Options,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Write a sample made by rule
+    #[command(subcommand)]
+    Generate(generate::Kind),
+}
+
+/// The version with that of every backend.
+fn version() -> &'static str {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    TEXT.get_or_init(|| {
+        let named = |b: &Backend| format!("{b} {}", b.version());
+        let libraries = Backend::available().into_iter().filter(|&b| b != Backend::Brute);
+        let libraries: Vec<String> = libraries.map(|b| named(&b)).collect();
+        format!("{} (intersection: {})", env!("CARGO_PKG_VERSION"), libraries.join(", "))
+    })
+}
+
+/// Why the program ends without having done all that was asked.
+#[derive(Debug)]
+pub enum Failure {
+    /// It ran, but a gate of quality did not hold.
+    Quality(String),
+    /// Something is wrong with what the user gave.
+    Input(String),
+    /// It cannot run here.
+    Cannot(String),
+}
+
+impl Failure {
+    fn code(&self) -> u8 {
+        match self {
+            Self::Quality(_) => 1,
+            Self::Input(_) => 2,
+            Self::Cannot(_) => 3,
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Quality(why) | Self::Input(why) | Self::Cannot(why) => f.write_str(why),
+        }
+    }
+}
+
+/// Runs the command the user typed.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match &cli.command {
+        Some(Command::Generate(kind)) => generate::run(kind),
+        None => measure::run(&cli.measure),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            tell(&format!("error: {failure}"));
+            ExitCode::from(failure.code())
+        }
+    }
+}
+
+/// A message for people.
+fn tell(text: &str) {
+    // Nobody is left to complain to if this fails.
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// What was asked for. A reader that has gone away is no error.
+fn answer(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::Cannot(format!("standard output cannot be written: {e}")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,61 @@
+//! The line that says how far the work is.
+
+use std::io::{self, IsTerminal as _, Write as _};
+use std::time::{Duration, Instant};
+
+use gonio_embree::experiment::Progress;
+
+/// Shows progress on standard error: on a terminal in one line that changes, else in a line now and then.
+pub struct Line {
+    shown: Instant,
+    quiet: bool,
+    terminal: bool,
+}
+
+impl Line {
+    /// Nothing is shown yet, nor ever if `quiet`.
+    pub fn new(quiet: bool) -> Self {
+        Self { shown: Instant::now(), quiet, terminal: io::stderr().is_terminal() }
+    }
+
+    /// Shows how far the work is, unless that was done a moment ago.
+    pub fn show(&mut self, progress: &Progress, incidences: usize) {
+        let pause = Duration::from_millis(if self.terminal { 100 } else { 5000 });
+        if self.quiet || self.shown.elapsed() < pause {
+            return;
+        }
+        self.shown = Instant::now();
+        let text = text(progress, incidences);
+        let mut err = io::stderr();
+        let _ = if self.terminal { write!(err, "\r\x1b[K{text}") } else { writeln!(err, "{text}") };
+    }
+
+    /// Leaves no trace on a terminal.
+    pub fn clear(&self) {
+        if self.terminal && !self.quiet {
+            let _ = write!(io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+fn text(p: &Progress, incidences: usize) -> String {
+    let rate = p.done as f64 / p.seconds;
+    let left = (p.total - p.done) as f64 / rate;
+    format!(
+        "tracing {:.0} %, incidence {} of {incidences}, {:.3} M trees/s, {} left",
+        100.0 * p.done as f64 / p.total as f64,
+        (p.incidences + 1).min(incidences),
+        rate / 1e6,
+        duration(left)
+    )
+}
+
+/// A time for people.
+pub fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
