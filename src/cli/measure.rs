@@ -125,7 +125,8 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         return Err(Failure::Input("--output: the .svg file is for the picture; name the result FILE.nc".into()));
     }
     for path in [&output, &picture] {
-        atomic::check(path).map_err(|e| Failure::Input(format!("--output {}: cannot be written: {e}", path.display())))?;
+        atomic::check(path)
+            .map_err(|e| Failure::Input(format!("--output {}: cannot be written: {e}", path.display())))?;
     }
     let settings = options.settings();
     let mut line = Line::new(options.quiet);
@@ -152,7 +153,11 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 fn times(outcome: &Outcome) -> String {
     let trees: u64 = outcome.bsdf.incidences.iter().map(|s| s.trees).sum();
     let rate = trees as f64 / outcome.tracing_seconds / 1e6;
-    format!("{} in all, {} of it tracing ({rate:.3} M trees/s)", duration(outcome.seconds), duration(outcome.tracing_seconds))
+    format!(
+        "{} in all, {} of it tracing ({rate:.3} M trees/s)",
+        duration(outcome.seconds),
+        duration(outcome.tracing_seconds)
+    )
 }
 
 impl Options {

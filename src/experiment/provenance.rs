@@ -32,12 +32,8 @@ impl Outcome {
             smallest_feature_um: smallest.is_finite().then_some(smallest),
             small_feature_flux: doubtful.map(|e| e.value).fold(0.0, f64::max),
         };
-        let effect = |e: crate::plan::Effect| EffectUsed {
-            name: e.name.into(),
-            on: e.on,
-            reason: e.reason,
-            bound: e.bound,
-        };
+        let effect =
+            |e: crate::plan::Effect| EffectUsed { name: e.name.into(), on: e.on, reason: e.reason, bound: e.bound };
         let provenance = Provenance {
             version: env!("CARGO_PKG_VERSION").into(),
             command: origin.command,

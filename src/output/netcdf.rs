@@ -232,7 +232,11 @@ impl Reader {
             }
         }
         for (owner, facet) in self.facets(wavelengths)? {
-            scatterings.get_mut(owner).ok_or_else(|| broken(format!("there is no incidence {owner}")))?.facets.push(facet);
+            scatterings
+                .get_mut(owner)
+                .ok_or_else(|| broken(format!("there is no incidence {owner}")))?
+                .facets
+                .push(facet);
         }
         Ok(Bsdf { wavelength_nm, incidences: scatterings })
     }
@@ -261,7 +265,8 @@ mod tests {
     use super::*;
 
     fn measured() -> Measured {
-        let estimate = |x: f64| vec![Estimate { value: x, se: x / 7.0 }, Estimate { value: 1.0 / x, se: f64::MIN_POSITIVE }];
+        let estimate =
+            |x: f64| vec![Estimate { value: x, se: x / 7.0 }, Estimate { value: 1.0 / x, se: f64::MIN_POSITIVE }];
         let scattering = |theta_deg: f64| {
             let mut ledger = Ledger::default();
             for (i, (_, entry)) in ledger.entries_mut().into_iter().enumerate() {

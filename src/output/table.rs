@@ -32,7 +32,7 @@ fn columns(incidences: &[Scattering]) -> Vec<&'static str> {
 }
 
 /// Width of a column.
-const WIDTH: usize = 20;
+const WIDTH: usize = 21;
 
 fn incidence(out: &mut String, s: &Scattering, wavelengths: &[f64], shown: &[&str]) {
     let facets = s.facets.iter().filter(|f| f.trees > 0).count();
@@ -63,13 +63,17 @@ fn value(e: Estimate) -> String {
     if e.se.is_nan() || e.se == 0.0 {
         return if e.value == 0.0 { "0".into() } else { tiny(e.value, 6) };
     }
-    // Two digits of the error, but not beyond reason.
-    let decimals = (1 - e.se.log10().floor() as i32).clamp(2, 8) as usize;
-    format!("{} ±{:.decimals$}", tiny(e.value, decimals), e.se)
+    // Two digits of the error, but not beyond what fits.
+    let decimals = (1 - e.se.log10().floor() as i32).clamp(2, 6) as usize;
+    format!("{} ±{}", tiny(e.value, decimals), tiny(e.se, decimals))
 }
 
 fn tiny(x: f64, decimals: usize) -> String {
-    if x != 0.0 && x.abs() < 0.5 * 0.1f64.powi(decimals as i32) { format!("{x:.1e}") } else { format!("{x:.decimals$}") }
+    if x != 0.0 && x.abs() < 0.5 * 0.1f64.powi(decimals as i32) {
+        format!("{x:.1e}")
+    } else {
+        format!("{x:.decimals$}")
+    }
 }
 
 fn notes(out: &mut String, measured: &Measured) {
@@ -121,6 +125,7 @@ mod tests {
         assert_eq!(show(0.0, 0.0), "0");
         assert_eq!(show(3e-9, 0.0), "3.0e-9");
         assert_eq!(show(0.5, f64::NAN), "0.500000");
-        assert_eq!(show(2e-8, 1e-8), "0.00000002 ±0.00000001");
+        assert_eq!(show(0.25, 1e-8), "0.250000 ±1.0e-8");
+        assert!([show(0.502, 9e-6), show(-1e-9, 1e-9)].iter().all(|t| t.chars().count() < WIDTH));
     }
 }

@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::{Area, Drawn, FONT, MOST_MAPS, shade};
 use crate::bsdf::{FacetValue, Scattering};
-use crate::dome::Estimate;
+use crate::dome::{Estimate, Facet};
 
 /// Decades of the colour scale.
 const DECADES: f64 = 4.0;
@@ -48,7 +48,7 @@ fn draw_map(area: &Area<'_>, center: (i32, i32), s: &Scattering, up: bool, top: 
         let value = mean(f);
         if value > 0.0 {
             let color = shade(1.0 + (value / top).log10() / DECADES);
-            area.draw(&Polygon::new(f.facet.corners().map(place), color.filled()))?;
+            area.draw(&Polygon::new(outline(f.facet).map(place).collect::<Vec<_>>(), color.filled()))?;
         }
     }
     area.draw(&Circle::new(center, RADIUS as i32, BLACK.mix(0.6)))?;
@@ -66,6 +66,15 @@ fn draw_map(area: &Area<'_>, center: (i32, i32), s: &Scattering, up: bool, top: 
     let part = |all: &[Estimate]| all.iter().map(|e| e.value).sum::<f64>() / all.len() as f64;
     let text = format!("θ {}°: {:.3}, of it {name} {:.3}", s.incidence.theta_deg, part(total), part(delta));
     label(area, &text, (center.0, center.1 + RADIUS as i32 + 8), 14, HPos::Center)
+}
+
+/// Points along the edges of a facet; those of coarse ones are visibly bent.
+fn outline(facet: Facet) -> impl Iterator<Item = DVec3> {
+    let steps = 32 >> facet.level.min(5);
+    let [a, b, c] = facet.corners();
+    [(a, b), (b, c), (c, a)]
+        .into_iter()
+        .flat_map(move |(p, q)| (0..steps).map(move |i| p.lerp(q, f64::from(i) / f64::from(steps)).normalize()))
 }
 
 fn label(area: &Area<'_>, text: &str, at: (i32, i32), size: u32, anchor: HPos) -> Drawn {

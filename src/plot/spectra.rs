@@ -21,6 +21,7 @@ pub fn draw(area: &Area<'_>, title: &str, bsdf: &Bsdf, share: impl Fn(&Scatterin
     let mut chart = ChartBuilder::on(area)
         .caption(title, (FONT, 20))
         .margin(12)
+        .margin_right(30)
         .x_label_area_size(40)
         .y_label_area_size(60)
         .build_cartesian_2d(first - pad..last + pad, 0.0..top)?;
@@ -28,6 +29,7 @@ pub fn draw(area: &Area<'_>, title: &str, bsdf: &Bsdf, share: impl Fn(&Scatterin
         .configure_mesh()
         .x_desc("vacuum wavelength / nm")
         .y_desc("share of the incident power")
+        .x_label_formatter(&|nm| format!("{nm:.0}"))
         .light_line_style(WHITE)
         .label_style((FONT, 14))
         .draw()?;

@@ -81,7 +81,8 @@ pub(crate) mod tests {
         let (frame, at, medium, inside) = (DVec3::X, PrimId(0), crate::sample::MediumId(0), Inside::NOTHING);
         let (branch, events, walk, border) = (1, 0, [0, 0], Border::Out);
         let query = Primitives::default().query(Ray { origin: DVec3::ZERO, dir });
-        let slot = stream.insert(query, Flight { frame, at, medium, inside, tree, branch, events, walk, border, doubtful: false });
+        let slot = stream
+            .insert(query, Flight { frame, at, medium, inside, tree, branch, events, walk, border, doubtful: false });
         stream.put(slot, 0, field);
         let (position, anchor) = (DVec3::ZERO, DVec3::ZERO);
         recorder.exit(&Exit { tree, dir, frame, position, anchor, slot, stream: &stream });
