@@ -2,8 +2,6 @@
 //! `cargo bench --bench end_to_end`
 #![allow(missing_docs, clippy::print_stdout)]
 
-use std::path::Path;
-
 use glam::DVec2;
 use gonio_embree::experiment::{Settings, measure};
 use gonio_embree::intersect::choose::Backend;
@@ -25,14 +23,15 @@ fn medium(name: &str, n: f64) -> Medium {
     Medium { name: name.into(), dispersion: Dispersion::Constant(C64::new(n, 0.0)), place: Place::default() }
 }
 
-/// 14,000 spheres of index 1.5 in a slab of 100 × 100 × 20 radii... surrounded by their matrix.
+/// 14,000 spheres of index 1.5 in a periodic layer of 100 × 100 × 20 µm of `matrix`, which fills all around, too.
 fn spheres(matrix: f64) -> Description {
     let size = glam::DVec3::new(100.0, 100.0, 20.0);
     let packing = Packing { count: 14_000, radius: 1.0077, size, periodic: true, seed: 1 };
     let fill = Fill::Medium(named("glass"));
     let spheres = SpherePacking { packing, bottom: 0.0, fill, priority: 0 };
     Description {
-        place: Place::file(Path::new("spheres")),
+        place: Place::default(),
+        files: Vec::new(),
         above: named("matrix"),
         below: named("matrix"),
         patch: Some(Patch { size: DVec2::splat(100.0), center: DVec2::ZERO }),
@@ -45,7 +44,8 @@ fn spheres(matrix: f64) -> Description {
 fn feather() -> Description {
     let bricks = Bricks::default();
     Description {
-        place: Place::file(Path::new("feather")),
+        place: Place::default(),
+        files: Vec::new(),
         above: named("air"),
         below: named("air"),
         patch: Some(Patch { size: bricks.patch().into(), center: DVec2::ZERO }),

@@ -201,14 +201,14 @@ impl Options {
     }
 
     fn settings(&self) -> Settings {
-        let all_cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        let default = Settings::default();
         Settings {
             trees: self.trees.0,
             seed: self.seed,
-            threads: self.threads.map_or_else(all_cores, usize::from),
+            threads: self.threads.map_or(default.threads, usize::from),
             backend: self.backend,
             dome_level: self.dome_level,
-            limits: Limits { depth: self.depth, ..Limits::default() },
+            limits: Limits { depth: self.depth, ..default.limits },
             effects: self.effects,
         }
     }

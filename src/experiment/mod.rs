@@ -41,6 +41,21 @@ pub struct Settings {
     pub effects: Wanted,
 }
 
+impl Default for Settings {
+    /// Those of the command line.
+    fn default() -> Self {
+        Self {
+            trees: 200_000,
+            seed: 1,
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            backend: Backend::auto(),
+            dome_level: 5,
+            limits: Limits::default(),
+            effects: Wanted::Auto,
+        }
+    }
+}
+
 /// What came out besides the BSDF.
 #[derive(Clone, Debug)]
 pub struct Outcome {

@@ -87,7 +87,7 @@ fn notes(out: &mut String, measured: &Measured) {
             "films: {hits} stacks solved, of {} kinds; most often {} layers ({})",
             p.stacks.len(),
             stack.layers,
-            stack.media.join(", ")
+            shortened(&stack.media)
         );
     }
     let loss = measured.bsdf.largest_loss();
@@ -95,6 +95,14 @@ fn notes(out: &mut String, measured: &Measured) {
         let _ = writeln!(out, "energy lost: {loss:.1e} at most");
     }
     validity(out, &p.validity);
+}
+
+/// Media that are listed.
+const LISTED: usize = 4;
+
+fn shortened(media: &[String]) -> String {
+    let more = if media.len() > LISTED { ", ..." } else { "" };
+    media[..media.len().min(LISTED)].join(", ") + more
 }
 
 fn or_none(list: String) -> String {

@@ -54,7 +54,10 @@ fn draw_map(area: &Area<'_>, center: (i32, i32), s: &Scattering, up: bool, top: 
     area.draw(&Circle::new(center, RADIUS as i32, BLACK.mix(0.6)))?;
     let source = -s.incidence.propagation();
     let straight = if up { source.with_z(source.z) * DVec3::new(-1.0, -1.0, 1.0) } else { -source };
-    area.draw(&Circle::new(place(straight), 5, RED.stroke_width(1)))?;
+    // The part that goes exactly this way has no place among facets: its disc grows with its share.
+    let share = part(if up { &s.ledger.specular } else { &s.ledger.undeflected });
+    area.draw(&Circle::new(place(straight), (16.0 * share.sqrt()).round() as i32, RED.mix(0.5).filled()))?;
+    area.draw(&Circle::new(place(straight), 4, RED.stroke_width(1)))?;
     if up {
         area.draw(&Cross::new(place(source), 4, RED.stroke_width(1)))?;
     }
@@ -63,9 +66,13 @@ fn draw_map(area: &Area<'_>, center: (i32, i32), s: &Scattering, up: bool, top: 
     } else {
         (&s.ledger.transmitted, &s.ledger.undeflected, "undeflected")
     };
-    let part = |all: &[Estimate]| all.iter().map(|e| e.value).sum::<f64>() / all.len() as f64;
     let text = format!("θ {}°: {:.3}, of it {name} {:.3}", s.incidence.theta_deg, part(total), part(delta));
     label(area, &text, (center.0, center.1 + RADIUS as i32 + 8), 14, HPos::Center)
+}
+
+/// Mean over the wavelengths.
+fn part(all: &[Estimate]) -> f64 {
+    all.iter().map(|e| e.value).sum::<f64>() / all.len() as f64
 }
 
 /// Points along the edges of a facet; those of coarse ones are visibly bent.

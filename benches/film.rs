@@ -1,0 +1,60 @@
+//! The film solver: time per wavelength and polarization, both sides at once, and how it grows.
+//! `cargo bench --bench film`
+#![allow(missing_docs, clippy::print_stdout)]
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use gonio_embree::optics::C64;
+use gonio_embree::optics::film::{Incidence, Layer, solve};
+
+/// High and low layers in turn; `k` absorbs in the high ones.
+fn stack(layers: usize, k: f64) -> Vec<Layer> {
+    (0..layers)
+        .map(|i| match i % 2 {
+            0 => Layer { index: C64::new(2.0, k), thickness: 0.074 },
+            _ => Layer { index: C64::new(1.5, 0.0), thickness: 0.098 },
+        })
+        .collect()
+}
+
+/// Nanoseconds per wavelength (s and p, both sides): the best of five runs.
+fn time(layers: &[Layer], incidence: &Incidence, last: C64) -> f64 {
+    let wavelengths: Vec<f64> = (0..20).map(|i| 0.4 + 0.016 * f64::from(i)).collect();
+    let repeats = (2_000_000 / layers.len().max(1) / wavelengths.len()).max(1);
+    let run = || {
+        let start = Instant::now();
+        for _ in 0..repeats {
+            for &w in &wavelengths {
+                black_box(solve(incidence, black_box(layers), last, w));
+            }
+        }
+        start.elapsed().as_secs_f64() * 1e9 / (repeats * wavelengths.len()) as f64
+    };
+    (0..5).map(|_| run()).fold(f64::INFINITY, f64::min)
+}
+
+fn main() {
+    let (air, glass) = (C64::new(1.0, 0.0), C64::new(1.5, 0.0));
+    let at = |deg: f64| Incidence::from_cos(1.0, deg.to_radians().cos());
+    let base = time(&stack(14, 0.0), &at(30.0), air);
+    println!(
+        "14 layers, lossless, 30°: {base:.0} ns per wavelength (s and p, both sides); 20 wavelengths {:.1} µs",
+        base * 0.02
+    );
+    println!("{:34} {:>12} {:>8}", "", "ns per λ", "ratio");
+    let dense = Incidence::from_cos(1.5, 60f64.to_radians().cos());
+    for (name, layers, incidence, last) in [
+        ("no layer", stack(0, 0.0), at(30.0), glass),
+        ("1 layer", stack(1, 0.0), at(30.0), glass),
+        ("14 layers, normal incidence", stack(14, 0.0), at(0.0), air),
+        ("14 layers, absorbing", stack(14, 0.01), at(30.0), air),
+        ("14 layers, evanescent behind", stack(14, 0.0), dense, air),
+        ("140 layers", stack(140, 0.0), at(30.0), air),
+        ("1400 layers", stack(1400, 0.0), at(30.0), air),
+        ("10,000 layers", stack(10_000, 0.0), at(30.0), air),
+    ] {
+        let t = time(&layers, &incidence, last);
+        println!("{name:34} {t:12.0} {:8.2}", t / base);
+    }
+}

@@ -1,0 +1,217 @@
+//! The program as people use it at the terminal.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use gonio_embree::output::netcdf;
+use serde_json::Value;
+
+const FEATHER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/feather.obj");
+
+/// A directory of its own for a test.
+struct Desk(PathBuf);
+
+impl Desk {
+    fn new(name: &str) -> Self {
+        let dir = std::env::temp_dir().join(format!("gonio-cli-{name}-{}", std::process::id()));
+        fs::create_dir_all(&dir).unwrap();
+        Self(dir)
+    }
+
+    fn run(&self, args: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_gonio-embree")).args(args).current_dir(&self.0).output().unwrap()
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.0.join(name), text).unwrap();
+    }
+
+    fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.0.join(name)).unwrap()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(&self.0).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into()).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn code(output: &Output) -> Option<i32> {
+    output.status.code()
+}
+
+fn errors(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into()
+}
+
+#[test]
+fn the_asset_is_what_the_generator_writes() {
+    let desk = Desk::new("asset");
+    assert_eq!(code(&desk.run(&["generate", "bricks", "-o", "feather.obj"])), Some(0));
+    for name in ["feather.obj", "feather.mtl"] {
+        let asset = Path::new(FEATHER).with_file_name(name);
+        assert_eq!(fs::read(asset).unwrap(), desk.read(name), "assets/{name}: write it again with generate bricks");
+    }
+}
+
+#[test]
+fn a_measurement_leaves_a_result_a_picture_and_a_table() {
+    let desk = Desk::new("measure");
+    let output = desk.run(&["--mesh", FEATHER, "--incident", "0:60:30", "--trees", "2k"]);
+    assert_eq!(code(&output), Some(0), "{}", errors(&output));
+    assert_eq!(desk.names(), ["feather.nc", "feather.svg"]);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(table.matches("incidence θ").count(), 3);
+    assert!(table.contains("interference") && table.contains("films: 6000 stacks solved"), "{table}");
+    assert!(desk.read("feather.svg").starts_with(b"<svg"));
+    let measured = netcdf::from_bytes(&desk.read("feather.nc")).unwrap();
+    assert_eq!(measured.bsdf.incidences.len(), 3);
+    assert_eq!(measured.provenance.sample_files.len(), 2);
+    let nm = measured.provenance.validity.smallest_feature_um.unwrap() * 1e3;
+    assert!((nm - 37.0).abs() < 1e-9, "the shell is the thinnest film: {nm}");
+}
+
+#[test]
+fn json_is_as_scripts_expect_it() {
+    let desk = Desk::new("json");
+    let output = desk.run(&["--mesh", FEATHER, "--incident", "0,75", "--trees", "1000", "--json"]);
+    assert_eq!(code(&output), Some(0), "{}", errors(&output));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["schema"], "gonio-summary-1");
+    assert_eq!(json["wavelength_nm"].as_array().unwrap().len(), 16);
+    assert!(json["backend"]["name"].is_string() && json["backend"]["version"].is_string());
+    assert!(json["seconds"].as_f64().unwrap() > 0.0 && json["threads"].as_u64().unwrap() > 0);
+    assert_eq!(json["seed"], 1);
+    let effect = &json["effects"]["interference"];
+    assert!(effect["on"] == true && effect["reason"].is_string() && effect["bound"].is_number());
+    assert!(json["validity"]["smallest_feature_um"].is_number());
+    assert!(json["validity"]["small_feature_flux"].is_number());
+    assert!(json["stacks"][0]["layers"].is_u64() && json["stacks"][0]["hits"].is_u64());
+    let incidence = &json["incidences"][1];
+    assert_eq!(incidence["theta_deg"], 75.0);
+    assert_eq!(incidence["phi_deg"], 0.0);
+    assert_eq!(incidence["trees"], 1000);
+    assert!(incidence["segments"].is_u64());
+    let term = |name: &str, w: usize| incidence[name][w].as_f64().unwrap_or_else(|| panic!("{name}[{w}]"));
+    for w in 0..16 {
+        let sum: f64 = ["reflected", "transmitted", "absorbed", "side", "lost"].iter().map(|n| term(n, w)).sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+        for name in ["reflected_se", "transmitted_se", "specular", "undeflected"] {
+            assert!(term(name, w) >= 0.0);
+        }
+    }
+}
+
+#[test]
+fn the_command_in_the_result_gives_the_result() {
+    let desk = Desk::new("again");
+    let first = desk.run(&["--mesh", FEATHER, "--trees", "2e3", "--threads", "2", "-o", "a.nc", "--seed", "7"]);
+    assert_eq!(code(&first), Some(0), "{}", errors(&first));
+    let command = netcdf::from_bytes(&desk.read("a.nc")).unwrap().provenance.command;
+    let mut words: Vec<&str> = command.split_whitespace().skip(1).collect();
+    words.extend(["-o", "b.nc", "--threads", "1", "--quiet"]);
+    let second = desk.run(&words);
+    assert_eq!(code(&second), Some(0), "{}", errors(&second));
+    assert_eq!(desk.read("a.nc"), desk.read("b.nc"));
+    assert!(second.stderr.is_empty());
+}
+
+#[test]
+fn wrong_usage_says_what_is_wrong_and_how_to_mend_it() {
+    let desk = Desk::new("usage");
+    desk.write("thin.toml", "[[object]]\nshape = \"sphere\"\nradius = 0\ncenter = [0, 0, 0]\nmedum = \"glas\"\n");
+    for (args, expected) in [
+        (&["--mesh", "none.obj"][..], "none.obj: cannot be read"),
+        (&["--mesh", FEATHER, "--incident", "0:80:7"], "choose a step that divides"),
+        (&["--mesh", FEATHER, "--incident", "95"], "--incident: 95°: expected 0 to 89.99°"),
+        (&["--mesh", FEATHER, "--wavelengths", "700,400"], "wavelengths must ascend"),
+        (&["--mesh", FEATHER, "--trees", "0.5"], "expected a whole number"),
+        (&["--mesh", FEATHER, "--medium", "cor=1.5"], "did you mean `core`?"),
+        (&["--mesh", FEATHER, "--medium", "core=-1"], "core=-1"),
+        (&["--mesh", FEATHER, "--patch", "3"], "expected two lengths"),
+        (&["--mesh", FEATHER, "--backend", "optix"], "expected auto, embree, obvhs or brute"),
+        (&["--mesh", FEATHER, "-o", "none/x.nc"], "none/x.nc: cannot be written"),
+        (&["--mesh", FEATHER, "-o", "x.svg"], "name the result FILE.nc"),
+        (&["--mesh", FEATHER, "--sample", "thin.toml"], "cannot be used with"),
+        (&["--sample", "thin.toml"], "thin.toml:3: radius = 0: expected a length greater than 0"),
+        (&["--sample", "thin.toml"], "thin.toml:5: unknown key `medum` (did you mean `medium`?)"),
+        (&["--sample", "thin.toml", "--unit", "nm"], "cannot be used with"),
+        (&["generate", "bricks", "-o", "x.mtl"], "name the mesh FILE.obj"),
+        (&["generate", "bricks", "-o", "x.obj", "--shell", "1,1,1"], "less than half"),
+    ] {
+        let output = desk.run(args);
+        assert_eq!(code(&output), Some(2), "{args:?}: {}", errors(&output));
+        assert!(errors(&output).contains(expected), "{args:?}: {}", errors(&output));
+        assert!(output.stdout.is_empty());
+    }
+    assert_eq!(desk.names(), ["thin.toml"], "nothing is half-written");
+}
+
+#[test]
+fn lost_energy_is_an_exit_code_and_the_result_is_kept() {
+    let desk = Desk::new("lost");
+    desk.write(
+        "ball.toml",
+        "[media]\nglass = 1.5\n[[object]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 50\nmedium = \"glass\"\n",
+    );
+    let output = desk.run(&["--sample", "ball.toml", "--trees", "2k", "--depth", "1"]);
+    assert_eq!(code(&output), Some(1));
+    assert!(errors(&output).contains("of the light was lost"), "{}", errors(&output));
+    assert!(desk.names().contains(&"ball.nc".into()));
+    let allowed = desk.run(&["--sample", "ball.toml", "--trees", "2k", "--depth", "1", "--max-lost", "1"]);
+    assert_eq!(code(&allowed), Some(0));
+}
+
+#[test]
+fn help_and_version_name_what_is_there() {
+    let desk = Desk::new("help");
+    let version = desk.run(&["--version"]);
+    assert_eq!(code(&version), Some(0));
+    let text = String::from_utf8(version.stdout).unwrap();
+    assert!(text.contains(env!("CARGO_PKG_VERSION")) && (text.contains("embree ") || text.contains("obvhs")), "{text}");
+    let help = String::from_utf8(desk.run(&["--help"]).stdout).unwrap();
+    for option in [
+        "--mesh",
+        "--sample",
+        "--unit",
+        "--sides",
+        "--patch",
+        "--medium",
+        "--incident",
+        "--azimuth",
+        "--wavelengths",
+        "--polarization",
+        "--source-mode",
+        "--trees",
+        "--effects",
+        "--backend",
+        "--threads",
+        "--seed",
+        "--max-lost",
+        "--output",
+        "--json",
+        "--quiet",
+        "generate",
+    ] {
+        assert!(help.contains(option), "{option}");
+    }
+    assert_eq!(code(&desk.run(&[])), Some(2));
+}
+
+#[test]
+#[cfg(not(has_embree))]
+fn a_missing_backend_is_said_before_any_work() {
+    let desk = Desk::new("backend");
+    let output = desk.run(&["--mesh", FEATHER, "--backend", "embree"]);
+    assert_eq!(code(&output), Some(3));
+    assert!(errors(&output).contains("apt-get install libembree-dev libclang-dev"), "{}", errors(&output));
+}
