@@ -34,7 +34,8 @@ pub fn draw(area: &Area<'_>, title: &str, bsdf: &Bsdf, share: impl Fn(&Scatterin
         .label_style((FONT, 14))
         .draw()?;
     let count = lines.len();
-    let named = |i: usize| count <= MOST_NAMED || i % (count - 1).div_ceil(MOST_NAMED - 1) == 0 || i == count - 1;
+    let every = (count - 1).div_ceil(MOST_NAMED - 1).max(1);
+    let named = |i: usize| i.is_multiple_of(every) || i == count - 1;
     for (i, line) in lines.iter().enumerate() {
         let color = shade(0.85 * i as f64 / (count - 1).max(1) as f64);
         let edge = |sign: f64| nm.iter().zip(line).map(move |(&x, e)| (x, e.value + sign * 2.0 * known(e.se)));
