@@ -11,10 +11,10 @@ use super::films::{Films, Reach, Start};
 use super::inside::{Around, Inside};
 use super::kernel::{Kernel, Stop};
 use super::media::{Beams, Refraction, Slant};
-use super::random::decision;
+use super::random::{TreeKey, decision};
 use super::record::{Loss, Recorder};
 use super::stream::{Bits, Flight, Slot, Stream};
-use super::tracer::TreeKey;
+
 use crate::geometry::{PrimId, Ray, SurfaceId};
 use crate::optics::field::{Field, Passage};
 use crate::optics::{C64, Coefficients, Pair};

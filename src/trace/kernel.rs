@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::inside::Solids;
 use super::media::Media;
-use super::stream::Flight;
+use super::stream::{Border, Flight};
 use crate::geometry::{Crossing, Nearest, Order, Query, Ray, SurfaceId};
 use crate::intersect::Scene;
 use crate::light::Light;
@@ -21,15 +21,6 @@ pub struct Kernel<'a> {
     /// Surfaces of more than one face: leaving a body there may enter another.
     shared: Vec<bool>,
     pub(super) follow_phase: bool,
-}
-
-/// What ends a segment if no interface does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Border {
-    /// Nothing more can be met.
-    Out,
-    /// The ray goes on, moved by these periods.
-    Seam([i32; 2]),
 }
 
 /// Why a ray is not followed any further.

@@ -13,9 +13,9 @@ mod tracer;
 
 pub use films::Stacks;
 pub use kernel::Kernel;
-pub use random::{Batch, TreeNumbers};
+pub use random::{Batch, TreeKey, TreeNumbers};
 #[cfg(test)]
 pub(crate) use record::tests as testing;
 pub use record::{Exit, Loss, Recorder};
 pub use schedule::{Detect, Unit, run};
-pub use tracer::{Tracer, TreeKey};
+pub use tracer::Tracer;

@@ -14,6 +14,15 @@ pub struct Batch {
     pub scramble: u32,
 }
 
+/// Random numbers of a tree, as far as its rays need them.
+#[derive(Clone, Copy, Debug)]
+pub struct TreeKey {
+    /// Key of all later decisions.
+    pub key: u64,
+    /// First decision of the branches 2 and 3.
+    pub first: [f64; 2],
+}
+
 /// Longest Sobol sequence `sobol_burley` makes; after that many trees a new scramble begins.
 const SEQUENCE: u32 = 1 << 16;
 

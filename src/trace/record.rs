@@ -72,7 +72,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::geometry::{PrimId, Primitives, Ray};
     use crate::trace::inside::Inside;
-    use crate::trace::kernel::Border;
+    use crate::trace::stream::Border;
     use crate::trace::stream::Flight;
 
     /// Lets `recorder` hear of a ray of one lane.

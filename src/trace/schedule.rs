@@ -7,9 +7,9 @@ use std::sync::{Condvar, Mutex, PoisonError, mpsc};
 
 use super::films::Stacks;
 use super::kernel::Kernel;
-use super::random::{Batch, TreeNumbers};
+use super::random::{Batch, TreeKey, TreeNumbers};
 use super::record::Recorder;
-use super::tracer::{Tracer, TreeKey};
+use super::tracer::Tracer;
 use crate::light::Light;
 use crate::optics::field::Field;
 

@@ -4,10 +4,18 @@
 use glam::DVec3;
 
 use super::inside::Inside;
-use super::kernel::Border;
 use crate::geometry::{Nearest, PrimId, Query};
 use crate::optics::field::Field;
 use crate::sample::MediumId;
+
+/// What ends a segment if no interface does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Border {
+    /// Nothing more can be met.
+    Out,
+    /// The ray goes on, moved by these periods.
+    Seam([i32; 2]),
+}
 
 /// What a ray is besides its [`Query`].
 #[derive(Clone, Debug)]

@@ -5,23 +5,15 @@ use glam::DVec3;
 use super::films::{Films, Stacks};
 use super::inside::{Around, Inside};
 use super::interact::{Interface, Partition};
-use super::kernel::{Border, Kernel};
+use super::kernel::Kernel;
+use super::random::TreeKey;
 use super::record::{Exit, Loss, Recorder};
-use super::stream::{Flight, Slot, Stream};
+use super::stream::{Border, Flight, Slot, Stream};
 use crate::geometry::{Crossing, Order, PrimId, Ray};
 use crate::intersect::Coherence;
 use crate::light::{Incidence, Polarization};
 use crate::optics::field::Field;
 use crate::plan::Plan;
-
-/// Random numbers of a tree, as far as its rays need them.
-#[derive(Clone, Copy, Debug)]
-pub struct TreeKey {
-    /// Key of all later decisions.
-    pub key: u64,
-    /// First decision of the branches 2 and 3.
-    pub first: [f64; 2],
-}
 
 /// The working memory of one thread.
 pub struct Tracer<'k, 'a, F: Field> {
