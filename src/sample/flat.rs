@@ -368,8 +368,8 @@ impl Parts {
             return None;
         }
         let center = DVec3::new(center.x, center.y, 0.5 * (bottom + top));
-        // A stack reaches as far down as waves are coherent and the sample goes.
-        let reach = (0.5 * coherence_length).min(top - bottom);
+        // A stack reaches as far down as waves are coherent and the sample goes, its last interface included.
+        let reach = (0.5 * coherence_length).min(top - bottom + geometry::COINCIDENT);
         Some(Cell::new(size, center, description.sides == Sides::Periodic, (bottom - center.z, top - center.z), reach))
     }
 
