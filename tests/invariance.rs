@@ -1,6 +1,6 @@
 //! A sample that is moved, turned, or scaled together with the wavelength scatters as before, tree by tree.
 //!
-//! Where the coordinates of both samples are exact in binary, so is the agreement. Where they are rounded, paths
+//! Where the coordinates of both samples are exact in binary, all trees agree to 1e-9. Where they are rounded, paths
 //! drift apart by the rounding, multiplied at every curved surface; trees are then compared as far as they are short.
 #![allow(missing_docs)]
 
