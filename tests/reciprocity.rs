@@ -122,10 +122,20 @@ fn lopsided() -> Build {
         .fill(ball([3.0, -3.0, 1.5], 1.2), Fill::Diffuse(0.7))
 }
 
+/// White balls on a white floor.
+fn matt() -> Build {
+    let floor = cuboid([-6.0, -6.0, -1.0], [6.0, 6.0, 0.0]);
+    let white = || Fill::Diffuse(0.9);
+    let balls = [([-3.0, -2.0, 2.0], 2.0), ([2.0, 2.0, 4.0], 2.5), ([3.0, -3.0, 1.0], 1.0)];
+    let around = Build::within(1.0).patch(12.0, 12.0).fill(floor, white());
+    balls.into_iter().fold(around, |build, (center, radius)| build.fill(ball(center, radius), white()))
+}
+
 fn all(directions: u32) {
     reflects("spheres", &spheres(), (20.0, 0.0), (60.0, 40.0), directions);
     reflects("spheres, far apart", &spheres(), (0.0, 0.0), (65.0, 200.0), directions);
     reflects("lopsided", &lopsided(), (30.0, 10.0), (65.0, 250.0), directions);
+    reflects("matt", &matt(), (0.0, 0.0), (65.0, 100.0), directions);
     transmits("spheres", &spheres(), (10.0, 0.0), (60.0, 100.0), directions);
     transmits("lopsided", &lopsided(), (55.0, 30.0), (20.0, 60.0), directions);
 }
