@@ -354,8 +354,10 @@ impl Parts {
             Some(patch) => (patch.size, patch.center),
             None => (around.size().truncate(), around.center().truncate()),
         };
-        // Films and slabs alone are the same everywhere: any footprint will do.
-        let size = if bodies.is_empty() && description.patch.is_none() { DVec2::ONE } else { size };
+        let (bottom, top) = self.heights();
+        // Films and slabs alone are the same everywhere: any footprint will do, and as wide as high takes few periods.
+        let alone = bodies.is_empty() && description.patch.is_none();
+        let size = if alone { DVec2::splat((top - bottom).max(1.0)) } else { size };
         if size.min_element() <= 0.0 {
             problems.push(description.place.problem(format!(
                 "the sample has no extent across ({} x {} µm); give patch = {{ size = [10, 10] }}",
@@ -363,13 +365,12 @@ impl Parts {
             )));
             return None;
         }
-        let (bottom, top) = self.heights();
         if bottom > top {
             return None;
         }
         let center = DVec3::new(center.x, center.y, 0.5 * (bottom + top));
-        // A stack reaches as far down as waves are coherent and the sample goes.
-        let reach = (0.5 * coherence_length).min(top - bottom);
+        // A stack reaches as far down as waves are coherent and the sample goes, its last interface included.
+        let reach = (0.5 * coherence_length).min(top - bottom + geometry::COINCIDENT);
         Some(Cell::new(size, center, description.sides == Sides::Periodic, (bottom - center.z, top - center.z), reach))
     }
 
