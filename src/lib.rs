@@ -9,5 +9,6 @@ pub mod media;
 pub mod optics;
 pub mod plan;
 pub mod sample;
+pub mod text;
 pub mod trace;
 pub mod units;
