@@ -111,6 +111,23 @@ fn nesting_without_end_is_a_problem() {
     }
 }
 
+#[test]
+fn many_media_and_many_objects_are_read_in_no_time() {
+    let media: String = (0..10_050).map(|i| format!("m{i} = 1.{i:05}\n")).collect();
+    let layers: String = (0..10_050).map(|i| format!("{{ medium = \"m{i}\", thickness = 1 }},")).collect();
+    let object = "[[object]]\nshape = \"sphere\"\nradius = 0.5\nmedium = \"water\"\n";
+    let spheres: String = (0..50_000).map(|i| format!("{object}center = [{i}, 0, 0]\n")).collect();
+    let file = scratch("many.toml");
+    let start = Instant::now();
+    fs::write(&file, format!("[media]\n{media}[[object]]\nshape = \"films\"\nlayers = [{layers}]\n")).unwrap();
+    let found = problems(&file);
+    assert_eq!(found.len(), 50);
+    assert_eq!(found[0], "many.toml:10054: medium `m10000`: at most 10000 different media are taken; use fewer");
+    fs::write(&file, spheres).unwrap();
+    assert_eq!(problems(&file), Vec::<String>::new());
+    assert!(start.elapsed() < LONGEST, "{:?}", start.elapsed());
+}
+
 /// A file name of this test run.
 fn scratch(name: &str) -> PathBuf {
     let dir = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("samples");
