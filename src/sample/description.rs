@@ -195,6 +195,10 @@ impl Description {
         let source = Source::read(path)?;
         let description = {
             let root = source.parse();
+            // What follows from broken syntax is no help.
+            if !source.is_clean() {
+                return Err(source.into_problems());
+            }
             let span = root.span();
             let root = root.get_ref();
             let file = Table::new(&source, root, &span, LengthUnit::Micrometre);
@@ -251,9 +255,13 @@ fn read_patch(t: &Table<'_>) -> (Option<Patch>, Sides) {
         t.source().note(t.place_of("sides").problem(format!("sides = {e}")));
         Sides::default()
     });
+    if t.get("center").is_some() && t.get("size").is_none() {
+        t.missing::<()>("size", "[12, 10]");
+    }
     t.refuse_unknown_keys();
-    if size.is_some_and(|s| s.min_element() <= 0.0) {
-        t.source().note(t.place_of("size").problem("size: both lengths of the patch must be greater than 0"));
+    if let Some(s) = size.filter(|s| s.min_element() <= 0.0) {
+        let message = format!("size = {s}: expected two lengths greater than 0");
+        t.source().note(t.place_of("size").problem(message));
         return (None, sides);
     }
     (size.map(|size| Patch { size, center }), sides)
@@ -284,8 +292,8 @@ fn read_medium(t: &Table<'_>, name: &str, value: &toml::Spanned<DeValue<'_>>, pl
         Err(e) => note(e),
     };
     match value.get_ref() {
-        DeValue::Integer(i) => constant(i.as_str()),
-        DeValue::Float(f) => constant(f.as_str()),
+        DeValue::Integer(i) => constant(&i.as_str().replace('_', "")),
+        DeValue::Float(f) => constant(&f.as_str().replace('_', "")),
         DeValue::String(s) => constant(s),
         DeValue::Table(_) => {
             let m = t.named_table(value)?;
@@ -297,12 +305,28 @@ fn read_medium(t: &Table<'_>, name: &str, value: &toml::Spanned<DeValue<'_>>, pl
     }
 }
 
+/// Keys of [`MEDIUM_FORMS`] that exclude one another.
+const MEDIUM_KEYS: [&str; 4] = ["n", "cauchy_nm", "material", "csv"];
+
 fn read_medium_table(m: &Table<'_>, name: &str) -> Option<Dispersion> {
     let n = m.number("n");
     let k = m.number("k");
     let material = m.text("material");
     let csv = m.text("csv");
     let cauchy = m.numbers::<2>("cauchy_nm", "two numbers such as [1.517, 8800]");
+    let given: Vec<&str> = MEDIUM_KEYS.into_iter().filter(|key| m.get(key).is_some()).collect();
+    if given.len() > 1 {
+        m.complain(format!("{name}: {} exclude one another; keep one of them", given.join(" and ")));
+        return None;
+    }
+    if m.get("k").is_some() && m.get("n").is_none() {
+        m.complain(format!("{name}: k belongs to an index n; write for example {{ n = 1.5, k = 0.01 }}"));
+        return None;
+    }
+    if given.first().is_some_and(|_| n.is_none() && cauchy.is_none() && material.is_none() && csv.is_none()) {
+        // What is wrong with the value has been noted.
+        return None;
+    }
     if let Some(re) = n {
         let index = C64::new(re, k.unwrap_or(0.0));
         return match media::check_index(index) {
@@ -339,8 +363,23 @@ fn named(t: &Table<'_>, key: &'static str) -> Option<Named> {
 
 const SHAPES: [&str; 7] = ["sphere", "cylinder", "box", "mesh", "films", "slab", "height_field"];
 
+/// Whether the shape can be read; if not it is noted.
+fn check_shape(t: &Table<'_>, name: &str) -> bool {
+    let message = match name {
+        "height_field" => "shape = \"height_field\" is not there yet; make a closed mesh of the relief".into(),
+        known if SHAPES.contains(&known) => return true,
+        _ => format!("unknown shape `{name}`{}; known: {}", suggestion(name, SHAPES), SHAPES.join(", ")),
+    };
+    t.source().note(t.place_of("shape").problem(message));
+    false
+}
+
 fn read_object(t: &Table<'_>, number: usize) -> Option<Object> {
-    let shape_name = t.text("shape").or_else(|| t.missing("shape", "\"sphere\""))?;
+    let shape_name = t.text("shape").or_else(|| t.missing_if_absent("shape", "\"sphere\""));
+    let Some(shape_name) = shape_name.filter(|name| check_shape(t, name)) else {
+        t.accept_all_keys();
+        return None;
+    };
     let name = t.text("name").map_or_else(|| format!("{shape_name} {}", number + 1), Into::into);
     let infinite = matches!(shape_name, "films" | "slab");
     // Bodies lie in slabs and films, unless the file says otherwise.
@@ -356,16 +395,7 @@ fn read_object(t: &Table<'_>, number: usize) -> Option<Object> {
         "box" => read_box(t),
         "mesh" => read_mesh(t),
         "slab" => read_slab(t),
-        _ => {
-            let hint = suggestion(shape_name, SHAPES);
-            let message = if shape_name == "height_field" {
-                "shape = \"height_field\" is not there yet; make a closed mesh of the relief".into()
-            } else {
-                format!("unknown shape `{shape_name}`{hint}; known: {}", SHAPES.join(", "))
-            };
-            t.source().note(t.place_of("shape").problem(message));
-            None
-        }
+        _ => None,
     };
     let fill = read_fill(t);
     let body = Body::Solid(shape?, fill?);
@@ -376,7 +406,10 @@ fn read_object(t: &Table<'_>, number: usize) -> Option<Object> {
 pub(super) fn read_fill(t: &Table<'_>) -> Option<Fill> {
     let medium = named(t, "medium");
     let Some(surface) = t.table("surface") else {
-        return medium.map(Fill::Medium).or_else(|| t.missing("medium", "\"glass\""));
+        let wrong = t.get("surface").is_some();
+        return medium
+            .map(Fill::Medium)
+            .or_else(|| if wrong { None } else { t.missing_if_absent("medium", "\"glass\"") });
     };
     let share = |key| {
         let share = surface.number(key)?;
@@ -393,6 +426,8 @@ pub(super) fn read_fill(t: &Table<'_>) -> Option<Fill> {
     }
     match (diffuse, mirror) {
         (Some(fill), None) | (None, Some(fill)) => Some(fill),
+        // What is wrong with the share has been noted.
+        (None, None) if surface.get("diffuse").or(surface.get("mirror")).is_some() => None,
         _ => {
             surface.complain("surface: expected { diffuse = 0.8 } or { mirror = 0.95 }");
             None
@@ -427,18 +462,20 @@ fn read_cylinder(t: &Table<'_>) -> Option<Shape> {
     });
     let caps = t.boolean("caps").unwrap_or(true);
     let (from, to, radius) = (from?, to?, radius?);
-    if from == to {
-        t.complain("`from` and `to` are the same point; a cylinder needs two ends");
+    let Some(along) = (to - from).try_normalize() else {
+        t.complain(format!("from = {from} µm and to = {to} µm are the same point; a cylinder needs two ends"));
         return None;
-    }
-    let along = (to - from).normalize();
+    };
     if flatten.is_some_and(|(axis, _)| axis.cross(along).length() < 1e-6) {
-        t.complain("flatten.axis is parallel to the cylinder; give a direction across it");
+        t.complain(
+            "flatten.axis is parallel to the axis of the cylinder; give a direction across it, such as [0, 0, 1]",
+        );
         return None;
     }
     let lumen = match (inner, inner_medium) {
         (Some(r), _) if r >= radius => {
-            t.complain(format!("inner_radius must be smaller than radius = {}", units::show_length(radius)));
+            let [r, radius] = [r, radius].map(units::show_length);
+            t.complain(format!("inner_radius = {r} must be smaller than radius = {radius}"));
             return None;
         }
         (Some(r), Some(medium)) => Some((r, medium)),
@@ -454,7 +491,7 @@ fn read_box(t: &Table<'_>) -> Option<Shape> {
     let max = t.point("max").or_else(|| t.missing_if_absent("max", "[1, 1, 0.5]"));
     let (min, max) = (min?, max?);
     if min.cmpge(max).any() {
-        t.complain(format!("min = {min} must be below max = {max} in every coordinate"));
+        t.complain(format!("min = {min} µm must be below max = {max} µm in every coordinate"));
         return None;
     }
     Some(Shape::Cuboid { min, max })
@@ -475,10 +512,15 @@ fn read_mesh(t: &Table<'_>) -> Option<Shape> {
         return None;
     }
     let turn = turn.unwrap_or(DMat3::IDENTITY);
-    match obj::load_mesh(&t.source().beside(file?), t.unit()) {
+    let file = file?;
+    match obj::load_mesh(&t.source().beside(file), t.unit()) {
+        // Products too large for a number become infinite and are refused with what is too far off.
         Ok(mesh) => Some(Shape::Mesh(mesh.map(|p| translate + turn * (scale * p)))),
         Err(problems) => {
-            problems.iter().for_each(|p| t.source().note(p.clone()));
+            for p in problems.iter() {
+                let about_the_file = t.place_of("file").problem(format!("file = \"{file}\": {}", p.message));
+                t.source().note(if p.place.line.is_none() { about_the_file } else { p.clone() });
+            }
             None
         }
     }
@@ -497,8 +539,8 @@ fn read_films(t: &Table<'_>) -> Option<Body> {
         let medium = named(&layer, "medium").or_else(|| layer.missing_if_absent("medium", "\"chitin\""));
         let thickness = layer.length("thickness").or_else(|| layer.missing_if_absent("thickness", "\"50 nm\""));
         layer.refuse_unknown_keys();
-        if thickness.is_some_and(|d| d < 0.0) {
-            layer.complain("thickness: expected a length of 0 or more");
+        if let Some(d) = thickness.filter(|&d| d < 0.0) {
+            layer.complain(format!("thickness = {}: expected a length of 0 or more", units::show_length(d)));
         }
         once.extend(medium.zip(thickness.filter(|&d| d >= 0.0)));
     }
@@ -521,6 +563,7 @@ fn read_slab(t: &Table<'_>) -> Option<Shape> {
     let bottom = t.length("bottom").or_else(|| t.missing_if_absent("bottom", "\"-1 mm\""));
     let (top, bottom) = (top?, bottom?);
     if bottom >= top {
+        let [bottom, top] = [bottom, top].map(units::show_length);
         t.complain(format!("bottom = {bottom} must be below top = {top}"));
         return None;
     }

@@ -1,22 +1,20 @@
 //! The sample as the tracer needs it: solids by number, media by number, primitives in one flat list, moved to
 //! the origin and repeated as far as rays can see.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
 use super::description::{Body, Description, Fibre, Fill, Named, Object, Shape, Sides};
-use super::lonely;
 use super::mesh::Mesh;
 use super::problem::{Place, Problem, Problems, suggestion};
 use super::tiling::{Cell, Placed, Tiling};
+use super::{limits, lonely, overlap};
 use crate::geometry::{self, Aabb, Builder, Cuboid, Cylinder, Layer, PrimId, Primitives, Sphere, Triangle};
 use crate::light::Wavelengths;
-use crate::media::{Dispersion, builtin, builtins};
+use crate::media::{Dispersion, builtin, builtins, check_index};
 use crate::optics::C64;
-
-/// Largest number of primitives, repeats included.
-const MOST_PRIMITIVES: usize = 50_000_000;
 
 /// Number of a medium in [`Sample::media`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -93,7 +91,8 @@ pub struct Sample {
 }
 
 /// A shape before repetition, with its owner.
-enum Base {
+#[derive(Clone, Debug)]
+pub(super) enum Base {
     Triangles(Mesh),
     Shape(geometry::Shape),
 }
@@ -117,9 +116,12 @@ impl Sample {
         if let Some(id) = above
             && media.tables[usize::from(id.0)].absorbs()
         {
-            problems
-                .push(description.above.place.problem("above: light must come through a medium that does not absorb"));
+            let Named { name, place } = &description.above;
+            problems.push(place.problem(format!(
+                "above = \"{name}\": light must come through a medium that does not absorb; choose one with k = 0"
+            )));
         }
+        limits::sizes(&parts.shapes, &parts.solids).into_iter().for_each(|p| problems.push(p));
         let cell = parts.cell(description, coherence_length, &mut problems);
         problems.or(())?;
         // What is missing has been reported.
@@ -133,27 +135,21 @@ struct MediaList<'a> {
     description: &'a Description,
     wavelengths: &'a Wavelengths,
     tables: Vec<MediumTable>,
-    known: Vec<(String, Option<MediumId>)>,
+    known: HashMap<String, Option<MediumId>>,
 }
 
 impl<'a> MediaList<'a> {
     fn new(description: &'a Description, wavelengths: &'a Wavelengths) -> Self {
-        Self { description, wavelengths, tables: Vec::new(), known: Vec::new() }
+        Self { description, wavelengths, tables: Vec::new(), known: HashMap::new() }
     }
 
     /// The number of a medium; each unknown name is reported at its first use only.
     fn resolve(&mut self, named: &Named, problems: &mut Problems) -> Option<MediumId> {
-        if let Some((_, id)) = self.known.iter().find(|(name, _)| *name == named.name) {
+        if let Some(id) = self.known.get(&named.name) {
             return *id;
         }
-        let id = match self.look_up(named) {
-            Ok(table) => Some(self.add(table)),
-            Err(problem) => {
-                problems.push(problem);
-                None
-            }
-        };
-        self.known.push((named.name.clone(), id));
+        let id = self.look_up(named).and_then(|table| self.add(table, named)).map_err(|p| problems.push(p)).ok();
+        self.known.insert(named.name.clone(), id);
         id
     }
 
@@ -167,6 +163,11 @@ impl<'a> MediaList<'a> {
         let index = index.map_err(|e| {
             place.problem(format!("medium `{}`: {e}; choose --wavelengths within, or other data", named.name))
         })?;
+        if let Some((nm, e)) =
+            self.wavelengths.nm().iter().zip(&index).find_map(|(nm, n)| Some((nm, check_index(*n).err()?)))
+        {
+            return Err(place.problem(format!("medium `{}` at {nm} nm: {e}; correct its formula", named.name)));
+        }
         Ok(MediumTable { name: named.name.clone(), index })
     }
 
@@ -181,12 +182,17 @@ impl<'a> MediaList<'a> {
         })
     }
 
-    fn add(&mut self, table: MediumTable) -> MediumId {
-        let at = self.tables.iter().position(|t| t.index == table.index).unwrap_or_else(|| {
+    fn add(&mut self, table: MediumTable, named: &Named) -> Result<MediumId, Problem> {
+        let known = self.tables.iter().position(|t| t.index == table.index);
+        let at = known.unwrap_or(self.tables.len());
+        if at == limits::MOST_MEDIA {
+            let message = format!("medium `{}`: at most {at} different media are taken; use fewer", named.name);
+            return Err(named.place.problem(message));
+        }
+        if known.is_none() {
             self.tables.push(table);
-            self.tables.len() - 1
-        });
-        MediumId(at as u16)
+        }
+        Ok(MediumId(at as u16))
     }
 }
 
@@ -321,10 +327,7 @@ impl Parts {
     }
 
     fn layers(&self) -> impl Iterator<Item = Layer> + '_ {
-        self.shapes.iter().filter_map(|(base, _)| match base {
-            Base::Shape(geometry::Shape::Layer(l)) => Some(*l),
-            _ => None,
-        })
+        self.shapes.iter().filter_map(|(base, _)| base.layer())
     }
 
     /// Bounds of the bodies that have an end; infinite cylinders count with their width only.
@@ -385,27 +388,11 @@ impl Parts {
         for (shape, _) in &mut self.shapes {
             shape.translate(-cell.center);
         }
-        let mut problems = Problems::default();
-        for (shape, owner) in &self.shapes {
-            if let Some(why) = cell.refuses(shape.bounds()) {
-                let solid = &self.solids[*owner as usize];
-                problems.push(solid.place.problem(format!("`{}` {why}", solid.name)));
-            }
-        }
-        problems.or(())?;
+        self.check_repetition(description, &cell)?;
         self.sort_by_place();
+        overlap::problems(&self.shapes, &self.solids, &cell).into_iter().collect::<Problems>().or(())?;
         cell.place_seams(self.shapes.iter().flat_map(|(shape, _)| shape.walls()));
-        let zone = cell.zone();
-        let mut repeats = Repeats::default();
-        for (number, (shape, owner)) in self.shapes.iter().enumerate() {
-            repeats.add(shape, number as u32, *owner, &cell, zone);
-            if repeats.count > MOST_PRIMITIVES {
-                let message = format!(
-                    "more than {MOST_PRIMITIVES} primitives with their repetitions; enlarge the patch or simplify"
-                );
-                return Err(description.place.problem(message).into());
-            }
-        }
+        let repeats = self.repeated(&cell).map_err(|why| description.place.problem(why))?;
         let (primitives, tiling) = repeats.finish();
         lonely::mark(&primitives, &mut self.solids);
         let domain = cell.domain(&primitives);
@@ -414,6 +401,27 @@ impl Parts {
 }
 
 impl Parts {
+    /// Whether the bodies can repeat as often as the patch demands.
+    fn check_repetition(&self, description: &Description, cell: &Cell) -> Result<(), Problems> {
+        let patch = limits::check_patch(cell).map_err(|why| description.place.problem(why));
+        let refused = self.shapes.iter().filter_map(|(shape, owner)| {
+            let solid = &self.solids[*owner as usize];
+            Some(solid.place.problem(format!("`{}` {}", solid.name, cell.refuses(shape.bounds())?)))
+        });
+        patch.err().into_iter().chain(refused).collect::<Problems>().or(())?;
+        let count = limits::primitives(&self.shapes, cell, cell.zone());
+        Ok(limits::check_count(count).map_err(|why| description.place.problem(why))?)
+    }
+
+    /// All shapes with their repetitions.
+    fn repeated(&self, cell: &Cell) -> Result<Repeats, String> {
+        let mut repeats = Repeats::default();
+        for (number, (shape, owner)) in self.shapes.iter().enumerate() {
+            repeats.add(shape, number as u32, *owner, cell, cell.zone())?;
+        }
+        Ok(repeats)
+    }
+
     /// Orders shapes, and their solids, along a space-filling curve: neighbours in space become neighbours in
     /// memory, which rays in a dense packing feel.
     fn sort_by_place(&mut self) {
@@ -445,8 +453,13 @@ fn morton(p: [f64; 3]) -> u64 {
 }
 
 impl Base {
+    /// The layer, if it is one.
+    pub(super) fn layer(&self) -> Option<Layer> {
+        if let Self::Shape(geometry::Shape::Layer(layer)) = self { Some(*layer) } else { None }
+    }
+
     /// Bounds, µm; `None` for layers.
-    fn bounds(&self) -> Option<Aabb> {
+    pub(super) fn bounds(&self) -> Option<Aabb> {
         match self {
             Self::Triangles(mesh) => Some(mesh.bounds()),
             Self::Shape(geometry::Shape::Sphere(s)) => Some(s.bounds()),
@@ -456,7 +469,7 @@ impl Base {
         }
     }
 
-    fn translate(&mut self, by: DVec3) {
+    pub(super) fn translate(&mut self, by: DVec3) {
         *self = match std::mem::replace(self, Self::Triangles(Mesh::default())) {
             Self::Triangles(mesh) => Self::Triangles(mesh.map(|p| p + by)),
             Self::Shape(shape) => Self::Shape(translated(shape, by)),
@@ -515,7 +528,7 @@ struct Repeats {
 }
 
 impl Repeats {
-    fn add(&mut self, shape: &Base, number: u32, owner: u32, cell: &Cell, zone: Aabb) {
+    fn add(&mut self, shape: &Base, number: u32, owner: u32, cell: &Cell, zone: Aabb) -> Result<(), String> {
         match shape {
             Base::Shape(flat) => {
                 for shift in cell.shifts(shape.bounds(), zone) {
@@ -525,9 +538,11 @@ impl Repeats {
             Base::Triangles(mesh) => {
                 for shift in cell.shifts(Some(mesh.bounds()), zone) {
                     self.add_triangles(mesh, number, owner, shift, cell.offset(shift), zone);
+                    limits::check_count(self.count as f64)?;
                 }
             }
         }
+        limits::check_count(self.count as f64)
     }
 
     fn add_triangles(&mut self, mesh: &Mesh, number: u32, owner: u32, shift: [i32; 2], offset: DVec3, zone: Aabb) {

@@ -3,9 +3,11 @@
 pub mod description;
 mod flat;
 pub mod generate;
+mod limits;
 mod lonely;
 pub mod mesh;
 pub mod obj;
+mod overlap;
 pub mod problem;
 mod reader;
 pub mod tiling;

@@ -69,6 +69,8 @@ impl<F: Field> Recorder<F> for Heard<F> {
         self.lost += power;
     }
 
+    fn doubt(&mut self, _: u16, _: f64) {}
+
     fn segments(&mut self, _: usize) {}
 }
 
@@ -122,6 +124,8 @@ impl<F: Field, B: Fn(DVec3) -> Option<usize>> Recorder<F> for Histogram<'_, B> {
     fn side(&mut self, _: u16, _: f64) {}
     fn absorb(&mut self, _: u16, _: f64) {}
     fn lose(&mut self, _: Loss, _: u16, _: f64) {}
+    fn doubt(&mut self, _: u16, _: f64) {}
+
     fn segments(&mut self, _: usize) {}
 }
 
