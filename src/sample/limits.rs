@@ -1,8 +1,8 @@
 //! What double precision and the memory can hold: beyond it there is a message instead of a wrong result or an abort.
 
-use super::flat::{Base, Solid};
 use super::problem::Problem;
 use super::reader::LARGEST;
+use super::solid::{Base, Solid};
 use super::tiling::Cell;
 use crate::geometry::{Aabb, COINCIDENT, Shape};
 

@@ -23,15 +23,7 @@ fn named(name: impl Into<String>) -> Named {
 impl Build {
     /// Nothing yet, in a medium of index `n`.
     pub fn within(n: f64) -> Self {
-        let mut build = Self(Description {
-            place: Place::default(),
-            above: named(""),
-            below: named(""),
-            patch: None,
-            sides: Sides::Periodic,
-            media: Vec::new(),
-            objects: Vec::new(),
-        });
+        let mut build = Self(Description::default());
         let around = build.medium(n);
         (build.0.above, build.0.below) = (around.clone(), around);
         build

@@ -4,7 +4,8 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::super::description::{Body, Fill, Object, Shape, read_fill};
+use super::super::description::{Body, Fill, Object, Shape};
+use super::super::fill::read_fill;
 use super::super::problem::Place;
 use super::super::reader::Table;
 use rand::rngs::Xoshiro256PlusPlus;

@@ -17,8 +17,8 @@ use glam::{DVec2, DVec3};
 use self::columns::Columns;
 use self::convex::{Convex, common_point};
 use self::triangles::{below, clip, middle_of_meeting};
-use super::flat::{Base, Solid};
 use super::problem::{Place, Problem};
+use super::solid::{Base, Solid};
 use super::tiling::Cell;
 use crate::geometry::{Aabb, COINCIDENT, Layer, Pairs};
 

@@ -4,9 +4,10 @@ use glam::{DMat3, DVec2, DVec3};
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 
-use super::super::flat::{Matter, MediumId};
 use super::super::generate::packing::Packing;
+use super::super::media_list::MediumId;
 use super::super::mesh::Mesh;
+use super::super::solid::Matter;
 use super::*;
 use crate::geometry::{Cuboid, Cylinder, Shape, Sphere};
 
