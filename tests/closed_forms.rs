@@ -2,7 +2,7 @@
 //!
 //! The power in bins of direction is compared with the exact integrals over the bins, by Hotelling's T² over
 //! independent scrambles: a right program fails each test with probability 1e-3 (but seeds are fixed).
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::print_stdout, reason = "p-values are shown with --nocapture")]
 
 mod common;
 

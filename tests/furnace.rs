@@ -47,8 +47,8 @@ fn lost(l: &Ledger, i: usize) -> f64 {
 /// The ledger balances, nothing is absorbed, nothing is lost.
 fn conserves(name: &str, build: &Build, trees: u64) {
     ledgers(build, &settings(trees), |s, l| {
-        for i in 0..NM.len() {
-            let at = format!("{name}, {:?}, {} nm: {l:?}", s.incidence, NM[i]);
+        for (i, nm) in NM.iter().enumerate() {
+            let at = format!("{name}, {:?}, {nm} nm: {l:?}", s.incidence);
             assert!((sum(l, i) - 1.0).abs() < ROUNDING, "{at}");
             assert_eq!(l.absorbed[i].value, 0.0, "{at}");
             assert_eq!(lost(l, i), 0.0, "{at}");
@@ -59,8 +59,8 @@ fn conserves(name: &str, build: &Build, trees: u64) {
 /// The ledger balances, something is absorbed at every incidence, nothing is lost.
 fn balances(name: &str, build: &Build) {
     ledgers(build, &settings(1000), |s, l| {
-        for i in 0..NM.len() {
-            let at = format!("{name}, {:?}, {} nm: {l:?}", s.incidence, NM[i]);
+        for (i, nm) in NM.iter().enumerate() {
+            let at = format!("{name}, {:?}, {nm} nm: {l:?}", s.incidence);
             assert!((sum(l, i) - 1.0).abs() < ROUNDING, "{at}");
             assert!(l.absorbed[i].value > 1e-6, "{at}");
             assert_eq!(lost(l, i), 0.0, "{at}");

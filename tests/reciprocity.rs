@@ -3,7 +3,7 @@
 //! With the direction of incidence drawn uniformly from cone I, the mean of cos θᵢ times the power that leaves into
 //! cone O is ∬ f cos θᵢ cos θₒ dωᵢ dωₒ / |I|: symmetric in I and O, for cones of any width. Each incidence is its own
 //! batch, and Welch's test compares the two ways; a right program fails each comparison with probability 1e-3.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::print_stdout, reason = "p-values are shown with --nocapture")]
 
 mod common;
 
