@@ -18,6 +18,9 @@ mod embree {
     use std::{env, fs, panic};
 
     const HOW_TO_INSTALL: &str = "apt-get install libembree-dev libclang-dev";
+    /// Files that change when the system installs something (Debian, Fedora, Arch).
+    const PACKAGE_LISTS: [&str; 3] =
+        ["/var/lib/dpkg/status", "/usr/lib/sysimage/rpm/rpmdb.sqlite", "/var/lib/pacman/local"];
     /// Oldest version the shim is written for.
     const OLDEST: u32 = 31300;
 
@@ -69,11 +72,22 @@ mod embree {
     /// Goes on without Embree where another backend is there and none was demanded.
     fn without(why: &str, required: bool) {
         let fallback = env::var_os("CARGO_FEATURE_OBVHS").is_some();
-        if required || !fallback {
+        if !fallback {
             fail(&format!("{why}; {HOW_TO_INSTALL}, or build with the feature obvhs"));
+        }
+        if required {
+            fail(&format!("{why}; {HOW_TO_INSTALL}, or unset GONIO_EMBREE to build without"));
         }
         if why != "GONIO_EMBREE=off" {
             println!("cargo::warning=building without Embree ({why}); for the faster backend: {HOW_TO_INSTALL}");
+            look_again_after_installations();
+        }
+    }
+
+    /// Without this, whoever follows the warning would have to touch a source file too.
+    fn look_again_after_installations() {
+        for list in PACKAGE_LISTS.iter().filter(|list| Path::new(list).exists()) {
+            println!("cargo::rerun-if-changed={list}");
         }
     }
 
@@ -101,7 +115,8 @@ mod embree {
                 return Ok(Installed { major, version, include: include.clone(), lib: lib.clone() });
             }
         }
-        Err(format!("no embree{}/rtcore.h found", majors.iter().map(u32::to_string).collect::<Vec<_>>().join(" or ")))
+        let headers: Vec<String> = majors.iter().map(|major| format!("embree{major}/rtcore.h")).collect();
+        Err(format!("no {} found", headers.join(" or ")))
     }
 
     /// Include directories with the library directory that goes with them, if it is not the linker's own.

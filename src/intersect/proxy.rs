@@ -1,8 +1,8 @@
 //! The single-precision copy of a scene that accelerators work on: moved to the origin, scaled by a power of two
-//! to about [`SPAN`], every box grown by [`PAD`].
+//! to about `SPAN`, every box grown by `PAD`.
 //!
 //! Error budget, in units of the span S: rounding the origin and direction of a ray moves it by at most
-//! 2⁻²⁴·S each (origins farther than [`NEAR`] spans are first moved along the ray, in double precision); the
+//! 2⁻²⁴·S each (origins farther than `NEAR` spans are first moved along the ray, in double precision); the
 //! slab tests of the accelerators add a few 2⁻²⁴·S. The pad is 2⁻²⁰·S, several times the sum. It is also larger
 //! than the smallest distance obvhs looks at (1e-4), so nothing is overlooked close to an origin.
 
