@@ -29,7 +29,8 @@ impl Outcome {
         let doubtful = bsdf.incidences.iter().flat_map(|s| &s.ledger.doubtful);
         let smallest = plan.features.smallest().min(stacks.thinnest);
         let validity = Validity {
-            smallest_feature_um: smallest.is_finite().then_some(smallest),
+            // To a femtometre: what lies beyond is rounding.
+            smallest_feature_um: smallest.is_finite().then(|| (smallest * 1e9).round() / 1e9),
             small_feature_flux: doubtful.map(|e| e.value).fold(0.0, f64::max),
         };
         let effect =

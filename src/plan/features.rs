@@ -202,7 +202,7 @@ fn flat_width(primitives: &Primitives, corners: &[[u32; 3]], patch: &Patch) -> f
     let outline: Vec<[DVec3; 2]> = outline.collect();
     let extent = |edge: &[DVec3; 2]| {
         let across = patch.normal.cross(edge[1] - edge[0]).normalize_or_zero();
-        let heights = outline.iter().map(|[p, _]| p.dot(across));
+        let heights = outline.iter().flatten().map(|p| p.dot(across));
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         high - low
     };
@@ -235,6 +235,15 @@ mod tests {
         // Walls are small, the top and the bottom are not.
         assert_eq!(cuboid.bits, [0b00_1111]);
         assert_eq!(mesh.bits.iter().filter(|&&b| b == 1).count(), 8);
+    }
+
+    #[test]
+    fn a_triangle_is_as_wide_as_its_least_height() {
+        let vertices = vec![DVec3::ZERO, DVec3::new(3.0, 0.0, 0.0), DVec3::new(0.0, 4.0, 0.0)];
+        for triangle in [[0, 1, 2], [1, 2, 0], [2, 1, 0]] {
+            let width = of_mesh(&Mesh { vertices: vertices.clone(), triangles: vec![triangle] }, 1.0).smallest();
+            assert!((width - 2.4).abs() < 1e-12, "{width}");
+        }
     }
 
     /// A tube of `n` flat strips, without ends.
