@@ -9,9 +9,6 @@ use crate::geometry::{Aabb, COINCIDENT, Shape};
 /// Largest number of primitives, repetitions included: some gigabytes.
 pub(super) const MOST_PRIMITIVES: usize = 5_000_000;
 
-/// Largest number of media that differ.
-pub(super) const MOST_MEDIA: usize = 10_000;
-
 /// Whether a number of primitives is more than can be held, and what to do then.
 ///
 /// # Errors

@@ -3,11 +3,13 @@
 use std::collections::HashMap;
 
 use super::description::{Description, Named};
-use super::limits;
 use super::problem::{Problem, Problems, suggestion};
 use crate::light::Wavelengths;
 use crate::media::{Dispersion, builtin, builtins, check_index};
 use crate::optics::C64;
+
+/// Largest number of media that differ.
+const MOST_MEDIA: usize = 10_000;
 
 /// Number of a medium in [`Sample::media`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -84,7 +86,7 @@ impl<'a> MediaList<'a> {
     fn add(&mut self, table: MediumTable, named: &Named) -> Result<MediumId, Problem> {
         let known = self.tables.iter().position(|t| t.index == table.index);
         let at = known.unwrap_or(self.tables.len());
-        if at == limits::MOST_MEDIA {
+        if at == MOST_MEDIA {
             let message = format!("medium `{}`: at most {at} different media are taken; use fewer", named.name);
             return Err(named.place.problem(message));
         }
