@@ -10,7 +10,7 @@ use gonio_embree::media::Dispersion;
 use gonio_embree::optics::C64;
 use gonio_embree::plan::{Limits, Wanted};
 use gonio_embree::sample::Sample;
-use gonio_embree::sample::description::{Description, Fill, Medium, Named, Patch, Sides};
+use gonio_embree::sample::description::{Description, Fill, Medium, Named, Patch};
 use gonio_embree::sample::generate::bricks::Bricks;
 use gonio_embree::sample::generate::packing::{Packing, SpherePacking};
 use gonio_embree::sample::problem::Place;
@@ -30,28 +30,22 @@ fn spheres(matrix: f64) -> Description {
     let fill = Fill::Medium(named("glass"));
     let spheres = SpherePacking { packing, bottom: 0.0, fill, priority: 0 };
     Description {
-        place: Place::default(),
-        files: Vec::new(),
         above: named("matrix"),
         below: named("matrix"),
         patch: Some(Patch { size: DVec2::splat(100.0), center: DVec2::ZERO }),
-        sides: Sides::Periodic,
         media: vec![medium("glass", 1.5), medium("matrix", matrix)],
         objects: spheres.objects(&Place::default()).unwrap(),
+        ..Description::default()
     }
 }
 
 fn feather() -> Description {
     let bricks = Bricks::default();
     Description {
-        place: Place::default(),
-        files: Vec::new(),
-        above: named("air"),
-        below: named("air"),
         patch: Some(Patch { size: bricks.patch().into(), center: DVec2::ZERO }),
-        sides: Sides::Periodic,
         media: vec![medium("platelet", 2.0), medium("core", 1.5)],
         objects: bricks.objects(&Place::default()),
+        ..Description::default()
     }
 }
 

@@ -64,5 +64,6 @@ pub mod output;
 pub mod plan;
 pub mod plot;
 pub mod sample;
+pub mod text;
 pub mod trace;
 pub mod units;

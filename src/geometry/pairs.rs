@@ -1,7 +1,5 @@
 //! Which of many boxes overlap: a uniform grid.
 
-use std::collections::HashMap;
-
 use glam::{DVec3, I64Vec3};
 
 use super::Aabb;
@@ -13,7 +11,9 @@ const MANY_CELLS: i64 = 64;
 pub struct Pairs<'a> {
     boxes: &'a [Aabb],
     size: DVec3,
-    cells: HashMap<I64Vec3, Vec<u32>>,
+    /// Boxes by bucket of cells: those of bucket `b` are at `starts[b]..starts[b + 1]`.
+    starts: Vec<u32>,
+    sorted: Vec<u32>,
     large: Vec<u32>,
 }
 
@@ -24,15 +24,41 @@ impl<'a> Pairs<'a> {
             boxes.iter().map(|b| b.size().max_element()).filter(|e| e.is_finite() && *e > 0.0).collect();
         edges.sort_by(f64::total_cmp);
         let size = DVec3::splat(edges.get(edges.len() / 2).copied().unwrap_or(1.0));
-        let mut grid = Self { boxes, size, cells: HashMap::new(), large: Vec::new() };
+        let buckets = (2 * boxes.len()).next_power_of_two();
+        let mut grid = Self { boxes, size, starts: vec![0; buckets + 1], sorted: Vec::new(), large: Vec::new() };
+        let mut placed: Vec<(u32, u32)> = Vec::with_capacity(8 * boxes.len());
         for (i, b) in boxes.iter().enumerate() {
             match grid.range(b) {
-                Some(cells) => cells.for_each(|c| grid.cells.entry(c).or_default().push(i as u32)),
+                Some(cells) => placed.extend(cells.map(|c| (grid.bucket(c) as u32, i as u32))),
                 None if !b.is_empty() => grid.large.push(i as u32),
                 None => {}
             }
         }
+        grid.sort(&placed);
         grid
+    }
+
+    /// Sorts (bucket, box) by bucket, by counting.
+    fn sort(&mut self, placed: &[(u32, u32)]) {
+        for (bucket, _) in placed {
+            self.starts[*bucket as usize + 1] += 1;
+        }
+        for b in 1..self.starts.len() {
+            self.starts[b] += self.starts[b - 1];
+        }
+        let mut next = self.starts.clone();
+        self.sorted = vec![0; placed.len()];
+        for &(bucket, i) in placed {
+            let at = &mut next[bucket as usize];
+            self.sorted[*at as usize] = i;
+            *at += 1;
+        }
+    }
+
+    /// The bucket of a cell; others may share it.
+    fn bucket(&self, cell: I64Vec3) -> usize {
+        let mix = |h: u64, x: i64| (h ^ x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+        cell.to_array().into_iter().fold(0, mix) as usize & (self.starts.len() - 2)
     }
 
     /// The cells a box reaches, or `None` if it is empty or they are too many.
@@ -62,7 +88,9 @@ impl<'a> Pairs<'a> {
         match self.range(b) {
             Some(cells) => {
                 for cell in cells {
-                    self.cells.get(&cell).into_iter().flatten().copied().for_each(&mut offer);
+                    let b = self.bucket(cell);
+                    let inside = self.starts[b] as usize..self.starts[b + 1] as usize;
+                    self.sorted[inside].iter().copied().for_each(&mut offer);
                 }
                 self.large.iter().copied().for_each(offer);
             }

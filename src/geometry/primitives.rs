@@ -7,7 +7,8 @@ use glam::DVec3;
 use super::plane::PlaneSet;
 use super::triangle::meet;
 use super::{
-    Aabb, Chord, Crossing, Cuboid, Cylinder, Layer, Order, Plane, Query, Ray, Shear, Sink, Sphere, SurfaceId, Triangle,
+    Aabb, COINCIDENT, Chord, Crossing, Cuboid, Cylinder, Layer, Order, Plane, Query, Ray, Shear, Sink, Sphere,
+    SurfaceId, Triangle,
 };
 
 /// Index of a primitive: triangles first, then spheres, cylinders, cuboids, layers.
@@ -400,8 +401,10 @@ impl Primitives {
         let Some(met) = meet(&query.shear, &query.ray, self.corners(self.triangles.shapes[i])) else { return };
         let [surface] = self.triangles.tags[i].surfaces;
         let t = self.planes[surface.0 as usize - 1].distance(&query.ray);
-        // Seen edge-on the plane says little about the distance; the corners bound it.
-        let t = if t >= met.range.0 && t <= met.range.1 { t } else { met.t };
+        // Seen edge-on the plane says little about the distance; the corners bound it. They may lie off the plane, on
+        // which all coplanar faces must be met at one distance.
+        let (near, far) = (met.range.0 - COINCIDENT, met.range.1 + COINCIDENT);
+        let t = if t >= near && t <= far { t } else { met.t };
         if query.admits_plane(t, surface) {
             sink.offer(t, surface, Crossing { prim, owner: self.triangles.tags[i].owner, face: 0, enters: met.enters });
         }

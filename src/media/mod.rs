@@ -4,11 +4,11 @@ mod builtin;
 
 pub use builtin::{Builtin, builtin, builtins};
 
-use std::fs;
 use std::path::Path;
 use std::str::FromStr;
 
 use crate::optics::C64;
+use crate::text;
 
 /// How the index of a medium follows from the wavelength.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,13 +109,16 @@ pub fn parse_index(text: &str) -> Result<C64, String> {
     Ok(n)
 }
 
+/// Largest table taken, bytes.
+const MOST_BYTES: u64 = 64 << 20;
+
 /// Reads a table of columns wavelength in nm, n and (optionally) k, separated by commas or blanks; lines that
 /// begin with `#` or a letter are skipped.
 ///
 /// # Errors
 /// File, line and what was expected.
 pub fn read_csv(path: &Path) -> Result<Dispersion, String> {
-    let text = fs::read_to_string(path).map_err(|e| format!("{}: cannot be read: {e}", path.display()))?;
+    let text = text::read(path, MOST_BYTES).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut rows: Vec<(f64, C64)> = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let line = line.trim();

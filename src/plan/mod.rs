@@ -29,7 +29,8 @@ pub struct Effect {
 pub struct Limits {
     /// Interfaces a ray may meet; beyond, its power counts as lost.
     pub depth: u32,
-    /// Footprints a ray may walk sideways; beyond, its power has left through the side.
+    /// Footprints (or heights of the sample, if it is higher than wide) a ray may walk sideways; beyond, its power has
+    /// left through the side.
     pub walk: f64,
     /// At how many interfaces of a tree both branches are followed.
     pub splits: u32,

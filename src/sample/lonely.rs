@@ -1,7 +1,7 @@
 //! Solids that are one convex primitive with nothing in it: a ray inside leaves through the other root, which
 //! needs no search.
 
-use super::flat::Solid;
+use super::solid::Solid;
 use crate::geometry::{Aabb, COINCIDENT, Pairs, PrimId, Primitives, Shape};
 
 /// Sets [`Solid::lonely`].

@@ -1,6 +1,6 @@
 //! Surfaces of triangles: whether they are closed, which side is out, what lies within what.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
@@ -74,7 +74,11 @@ impl Mesh {
 
     /// Bounds, µm.
     pub fn bounds(&self) -> Aabb {
-        Aabb::around(self.triangles.iter().flatten().map(|&i| self.vertices[i as usize]))
+        self.bounds_of(&self.triangles)
+    }
+
+    fn bounds_of(&self, part: &[[u32; 3]]) -> Aabb {
+        Aabb::around(part.iter().flatten().map(|&i| self.vertices[i as usize]))
     }
 
     /// The corners of a triangle.
@@ -187,25 +191,17 @@ impl Mesh {
 
     /// Turns parts with negative volume round, unless they are cavities of another part.
     fn turn_outwards(&mut self) {
-        let parts = self.parts();
-        let meshes: Vec<Self> = parts
-            .iter()
-            .map(|p| Self {
-                vertices: self.vertices.clone(),
-                triangles: p.iter().map(|&i| self.triangles[i]).collect(),
-            })
-            .collect();
-        for (i, part) in parts.iter().enumerate() {
-            if meshes[i].volume() >= 0.0 {
-                continue;
-            }
-            let probe = self.vertices[meshes[i].triangles[0][0] as usize];
-            let cavity =
-                (0..meshes.len()).any(|j| j != i && meshes[j].bounds().contains(probe) && meshes[j].encloses(probe));
-            if !cavity {
-                part.iter().for_each(|&t| self.triangles[t].swap(1, 2));
-            }
-        }
+        let parts: Vec<Vec<[u32; 3]>> =
+            self.parts().into_iter().map(|p| p.into_iter().map(|i| self.triangles[i]).collect()).collect();
+        let bounds: Vec<Aabb> = parts.iter().map(|p| self.bounds_of(p)).collect();
+        let inside_out: Vec<usize> = (0..parts.len()).filter(|&i| self.volume_of(&parts[i]) < 0.0).collect();
+        let wrong = inside_out.into_iter().filter(|&i| {
+            let probe = self.vertices[parts[i][0][0] as usize];
+            let around = |j: usize| j != i && bounds[j].contains(probe) && self.part_encloses(&parts[j], probe);
+            !(0..parts.len()).any(around)
+        });
+        let wrong: HashSet<[u32; 3]> = wrong.flat_map(|i| parts[i].iter().copied()).collect();
+        self.triangles.iter_mut().filter(|t| wrong.contains(*t)).for_each(|t| t.swap(1, 2));
     }
 
     /// Triangles by connected part.
@@ -239,9 +235,12 @@ impl Mesh {
 
     /// Enclosed volume, µm³; negative if wound inwards.
     pub fn volume(&self) -> f64 {
-        let base = self.triangles.first().map_or(DVec3::ZERO, |t| self.vertices[t[0] as usize]);
-        self.triangles
-            .iter()
+        self.volume_of(&self.triangles)
+    }
+
+    fn volume_of(&self, part: &[[u32; 3]]) -> f64 {
+        let base = part.first().map_or(DVec3::ZERO, |t| self.vertices[t[0] as usize]);
+        part.iter()
             .map(|&t| {
                 let [a, b, c] = self.corners(t).map(|p| p - base);
                 a.dot(b.cross(c)) / 6.0
@@ -252,8 +251,11 @@ impl Mesh {
     /// Whether `p` lies inside the closed surface: by the solid angle it fills (Van Oosterom and Strackee, IEEE
     /// Trans. Biomed. Eng. 30, 125 (1983), eq. 8).
     pub fn encloses(&self, p: DVec3) -> bool {
-        let solid_angle: f64 = self
-            .triangles
+        self.part_encloses(&self.triangles, p)
+    }
+
+    fn part_encloses(&self, part: &[[u32; 3]], p: DVec3) -> bool {
+        let solid_angle: f64 = part
             .iter()
             .map(|&t| {
                 let [a, b, c] = self.corners(t).map(|q| q - p);

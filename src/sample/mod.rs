@@ -1,14 +1,24 @@
 //! The sample: from what the user wrote ([`Description`]) to what the tracer needs ([`Sample`]).
 
 pub mod description;
+mod file;
+mod fill;
 mod flat;
 pub mod generate;
+mod limits;
 mod lonely;
+mod media_list;
 pub mod mesh;
 pub mod obj;
+mod overlap;
+mod parts;
 pub mod problem;
 mod reader;
+mod repeats;
+mod solid;
 pub mod tiling;
 
 pub use description::Description;
-pub use flat::{Matter, MediumId, MediumTable, Sample, Solid};
+pub use flat::Sample;
+pub use media_list::{MediumId, MediumTable};
+pub use solid::{Matter, Solid};

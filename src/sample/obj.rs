@@ -1,7 +1,6 @@
 //! Wavefront OBJ files: bodies of triangles, their media by the names of their materials.
 
-use std::collections::HashSet;
-use std::fs;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
@@ -14,7 +13,11 @@ use super::reader::LARGEST;
 use crate::geometry::Aabb;
 use crate::media::{self, Dispersion, builtin};
 use crate::optics::C64;
+use crate::text;
 use crate::units::LengthUnit;
+
+/// Largest file taken, bytes.
+const MOST_BYTES: u64 = 2 << 30;
 
 /// What an OBJ file does not say.
 #[derive(Clone, Debug)]
@@ -38,7 +41,8 @@ struct Part {
 
 struct File {
     path: PathBuf,
-    text: String,
+    /// First line of each (keyword, name).
+    lines: HashMap<(String, String), usize>,
     parts: Vec<Part>,
     materials: Vec<tobj::Material>,
 }
@@ -103,8 +107,8 @@ pub fn load_mesh(path: &Path, unit: LengthUnit) -> Result<Mesh, Problems> {
 
 fn read(path: &Path, unit: LengthUnit) -> Result<File, Problems> {
     let place = Place::file(path);
-    let text = fs::read_to_string(path).map_err(|e| place.problem(format!("cannot be read: {e}")))?;
-    check_numbers(path, &text)?;
+    let text = text::read(path, MOST_BYTES).map_err(|e| place.problem(e))?;
+    check_lines(path, &text)?;
     let options = LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..LoadOptions::default() };
     let (models, materials) = tobj::load_obj(path, &options).map_err(|e| parse_problem(path, &text, e))?;
     let materials = materials.map_err(|e| {
@@ -119,7 +123,7 @@ fn read(path: &Path, unit: LengthUnit) -> Result<File, Problems> {
     if parts.is_empty() {
         return Err(place.problem("there are no faces in it").into());
     }
-    let file = File { path: path.into(), text, parts, materials };
+    let file = File { path: path.into(), lines: named_lines(&text), parts, materials };
     file.check_extent()?;
     Ok(file)
 }
@@ -132,22 +136,21 @@ fn to_mesh(mesh: &tobj::Mesh, unit: LengthUnit) -> Mesh {
     }
 }
 
-/// Looks for vertices that are no finite numbers, which the parser would take or report without a place.
-fn check_numbers(path: &Path, text: &str) -> Result<(), Problems> {
-    let mut problems = Problems::default();
-    for (i, line) in text.lines().enumerate() {
+/// Looks for vertices that are no finite numbers and faces of fewer than three corners, which the parser would take
+/// or report without a place.
+fn check_lines(path: &Path, text: &str) -> Result<(), Problems> {
+    let wrong = |(i, line): (usize, &str)| {
         let mut words = line.split_whitespace();
-        if words.next() != Some("v") {
-            continue;
-        }
-        let numbers = words.clone().take(3).filter_map(|w| w.parse::<f64>().ok()).filter(|x| x.is_finite()).count();
-        if numbers < 3 {
-            problems.push(
-                Place::line(path, i + 1).problem(format!("`{}`: expected v x y z with finite numbers", line.trim())),
-            );
-        }
-    }
-    problems.or(())
+        let keyword = words.next();
+        let is_number = |w: &&str| w.parse::<f64>().is_ok_and(f64::is_finite);
+        let expected = match keyword {
+            Some("v") if words.clone().take(3).filter(is_number).count() < 3 => "v x y z with finite numbers",
+            Some("f") if words.count() < 3 => "f with at least 3 indices of vertices",
+            _ => return None,
+        };
+        Some(Place::line(path, i + 1).problem(format!("`{}`: expected {expected}", line.trim())))
+    };
+    text.lines().enumerate().filter_map(wrong).collect::<Problems>().or(())
 }
 
 fn parse_problem(path: &Path, text: &str, error: LoadError) -> Problem {
@@ -168,6 +171,18 @@ fn parse_problem(path: &Path, text: &str, error: LoadError) -> Problem {
     }
 }
 
+/// The first lines that name something.
+fn named_lines(text: &str) -> HashMap<(String, String), usize> {
+    let mut lines = HashMap::new();
+    for (i, line) in text.lines().enumerate() {
+        let (keyword, name) = line.trim().split_once(char::is_whitespace).unwrap_or_default();
+        if ["o", "g", "usemtl", "mtllib"].contains(&keyword) {
+            lines.entry((keyword.into(), name.trim().into())).or_insert(i + 1);
+        }
+    }
+    lines
+}
+
 /// The first line that starts with `keyword`, and the rest of it.
 fn find_line(text: &str, keyword: &str) -> Option<(usize, String)> {
     text.lines().enumerate().find_map(|(i, line)| {
@@ -186,17 +201,15 @@ impl File {
     /// The file and its material libraries.
     fn files(&self) -> Vec<PathBuf> {
         let beside = self.path.parent().unwrap_or(Path::new(""));
-        let libraries = self.text.lines().filter_map(|line| line.trim().strip_prefix("mtllib "));
-        std::iter::once(self.path.clone()).chain(libraries.map(|name| beside.join(name.trim()))).collect()
+        let mut libraries: Vec<_> = self.lines.iter().filter(|((keyword, _), _)| keyword == "mtllib").collect();
+        libraries.sort_by_key(|(_, line)| **line);
+        std::iter::once(self.path.clone()).chain(libraries.iter().map(|((_, name), _)| beside.join(name))).collect()
     }
 
     /// The line that says `keyword name` for one of the keywords.
     fn line_of(&self, keywords: &[&str], name: &str) -> Option<usize> {
-        let says = |line: &str| {
-            let (keyword, rest) = line.trim().split_once(char::is_whitespace).unwrap_or_default();
-            keywords.contains(&keyword) && rest.trim() == name.trim()
-        };
-        self.text.lines().position(says).map(|i| i + 1)
+        let line = |k: &&str| self.lines.get(&((*k).into(), name.trim().into())).copied();
+        keywords.iter().filter_map(line).min()
     }
 
     fn place_of_part(&self, part: &Part) -> Place {

@@ -1,7 +1,6 @@
 //! Reading tables of a TOML file with places, units and several errors at once.
 
-use std::cell::RefCell;
-use std::fs;
+use std::cell::{Cell, RefCell};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -10,15 +9,21 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::problem::{Place, Problem, Problems, suggestion};
+use crate::text;
 use crate::units::{self, LengthUnit};
 
 /// Largest length taken, µm (10 m): beyond it double precision no longer holds a film.
 pub const LARGEST: f64 = 1e7;
 
+/// Largest sample file taken, bytes.
+const MOST_BYTES: u64 = 64 << 20;
+
 /// A text file, with what is wrong with it so far.
 pub struct Source {
     path: PathBuf,
     text: String,
+    /// Where lines end.
+    ends: Vec<usize>,
     problems: RefCell<Problems>,
     /// Other files it names.
     named: RefCell<Vec<PathBuf>>,
@@ -30,8 +35,9 @@ impl Source {
     /// # Errors
     /// When it cannot be read or is no text.
     pub fn read(path: &Path) -> Result<Self, Problem> {
-        let text = fs::read_to_string(path).map_err(|e| Place::file(path).problem(format!("cannot be read: {e}")))?;
-        Ok(Self { path: path.into(), text, problems: RefCell::default(), named: RefCell::default() })
+        let text = text::read(path, MOST_BYTES).map_err(|e| Place::file(path).problem(e))?;
+        let ends = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
+        Ok(Self { path: path.into(), text, ends, problems: RefCell::default(), named: RefCell::default() })
     }
 
     /// Parses the file as TOML; what cannot be parsed is left out and noted.
@@ -60,13 +66,17 @@ impl Source {
 
     /// The line of a byte range.
     pub fn place(&self, span: &Range<usize>) -> Place {
-        let before = &self.text.as_bytes()[..span.start.min(self.text.len())];
-        Place::line(&self.path, 1 + before.iter().filter(|&&b| b == b'\n').count())
+        Place::line(&self.path, 1 + self.ends.partition_point(|&end| end < span.start))
     }
 
     /// Adds a problem.
     pub fn note(&self, problem: Problem) {
         self.problems.borrow_mut().push(problem);
+    }
+
+    /// Whether no problem has been noted.
+    pub fn is_clean(&self) -> bool {
+        self.problems.borrow().is_empty()
     }
 
     /// All problems noted.
@@ -82,12 +92,14 @@ pub struct Table<'a> {
     place: Place,
     unit: LengthUnit,
     asked: RefCell<Vec<&'static str>>,
+    accepts_all: Cell<bool>,
 }
 
 impl<'a> Table<'a> {
     /// The entries of `table`, which begins at `span`; bare lengths are in `unit`.
     pub fn new(source: &'a Source, table: &'a DeTable<'a>, span: &Range<usize>, unit: LengthUnit) -> Self {
-        Self { source, entries: table, place: source.place(span), unit, asked: RefCell::default() }
+        let place = source.place(span);
+        Self { source, entries: table, place, unit, asked: RefCell::default(), accepts_all: Cell::default() }
     }
 
     /// Where the table begins.
@@ -113,7 +125,10 @@ impl<'a> Table<'a> {
 
     /// The raw value of `key`.
     pub fn get(&self, key: &'static str) -> Option<&'a Spanned<DeValue<'a>>> {
-        self.asked.borrow_mut().push(key);
+        let mut asked = self.asked.borrow_mut();
+        if !asked.contains(&key) {
+            asked.push(key);
+        }
         self.entries.get(key)
     }
 
@@ -290,8 +305,16 @@ impl<'a> Table<'a> {
         value.get_ref().as_table().map(|t| Table::new(self.source, t, &value.span(), self.unit))
     }
 
+    /// Takes all keys: what they should be is not known.
+    pub fn accept_all_keys(&self) {
+        self.accepts_all.set(true);
+    }
+
     /// Notes every key that nobody asked for, with the nearest one that is known.
     pub fn refuse_unknown_keys(&self) {
+        if self.accepts_all.get() {
+            return;
+        }
         let asked = self.asked.borrow();
         for (key, _) in self.entries.iter() {
             let name: &str = key.get_ref();

@@ -58,6 +58,12 @@ impl Cell {
         0.5 * self.size + self.overlap
     }
 
+    /// One period, µm: whatever is anywhere, a repetition of it is here.
+    pub(super) fn tile(&self) -> Aabb {
+        let half = (0.5 * self.size).extend(f64::INFINITY);
+        Aabb { min: -half, max: half }
+    }
+
     /// Everything a ray or a probe can see in a periodic sample, µm.
     pub(super) fn zone(&self) -> Aabb {
         if !self.periodic {
@@ -83,7 +89,10 @@ impl Cell {
     }
 
     /// In an open sample endless bodies are followed this many footprints far.
-    const FAR: f64 = 128.0;
+    pub(super) const FAR: f64 = 128.0;
+
+    /// Bodies may lie this many footprints beside the patch that they repeat on.
+    const FARTHEST: f64 = 1e6;
 
     /// The displacement of a repetition, µm.
     pub fn offset(&self, shift: [i32; 2]) -> DVec3 {
@@ -92,8 +101,13 @@ impl Cell {
 
     /// Why a body of these bounds cannot repeat, if it cannot.
     pub(super) fn refuses(&self, bounds: Option<Aabb>) -> Option<String> {
-        let endless = bounds?.size().to_array().map(|e| !e.is_finite());
+        let bounds = bounds?;
+        let endless = bounds.size().to_array().map(|e| !e.is_finite());
+        let far = bounds.min.abs().max(bounds.max.abs()).truncate() / self.size;
         match endless {
+            [false, ..] | [_, false, _] if self.periodic && (0..2).any(|i| !endless[i] && far[i] > Self::FARTHEST) => {
+                Some("reaches more than a million patch widths beside the patch; enlarge the patch".into())
+            }
             [true, true, _] if self.periodic => {
                 Some("has no ends and lies askew: in a periodic sample it must lie along x or y; give it caps".into())
             }
@@ -104,16 +118,26 @@ impl Cell {
 
     /// The repetitions of a body that reach into `zone`; itself only, where nothing repeats.
     pub(super) fn shifts(&self, bounds: Option<Aabb>, zone: Aabb) -> Vec<[i32; 2]> {
-        let Some(b) = bounds.filter(|_| self.periodic) else { return vec![[0, 0]] };
-        let range = |i: usize| {
+        let [[x0, x1], [y0, y1]] = self.shift_range(bounds, zone).map(|range| range.map(|shift| shift as i32));
+        (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| [x, y])).collect()
+    }
+
+    /// How many [`Cell::shifts`] there are.
+    pub(super) fn copies(&self, bounds: Option<Aabb>, zone: Aabb) -> f64 {
+        self.shift_range(bounds, zone).map(|[first, last]| (last - first + 1.0).max(0.0)).into_iter().product()
+    }
+
+    /// First and last shift along x and y.
+    fn shift_range(&self, bounds: Option<Aabb>, zone: Aabb) -> [[f64; 2]; 2] {
+        let Some(b) = bounds.filter(|_| self.periodic) else { return [[0.0; 2]; 2] };
+        std::array::from_fn(|i| {
             if !b.size()[i].is_finite() {
-                return 0..=0;
+                return [0.0; 2];
             }
-            let first = ((zone.min[i] - b.max[i]) / self.size[i]).ceil() as i32;
-            let last = ((zone.max[i] - b.min[i]) / self.size[i]).floor() as i32;
-            first..=last
-        };
-        range(1).flat_map(|y| range(0).map(move |x| [x, y])).collect()
+            let first = ((zone.min[i] - b.max[i]) / self.size[i]).ceil();
+            let last = ((zone.max[i] - b.min[i]) / self.size[i]).floor();
+            [first, last]
+        })
     }
 }
 

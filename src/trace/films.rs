@@ -146,12 +146,10 @@ impl<F: Field> Films<F> {
     }
 
     /// Lists the interfaces along the normal that are parallel to the first, while the sum of optical paths there
-    /// and back stays within reach. Says whether there is a layer.
+    /// and back stays within reach. Metal is a layer like others: light that no ray could follow may still come
+    /// through. Says whether there is a layer.
     fn search(&mut self, scene: &Scene, solids: &Solids, media: &Media, start: &Start<'_>, reach: Reach) -> bool {
         let Around::Medium(second) = solids.around(start.inside) else { return false };
-        if media.is_opaque(second) {
-            return false;
-        }
         let kx = media.index(start.first, 0).re * start.slant.sin;
         let primitives = scene.primitives();
         let down = Ray { origin: start.point, dir: -start.normal };
@@ -185,9 +183,6 @@ impl<F: Field> Films<F> {
             (stack.last, stack.depth, stack.surface) = (next, order.t, order.surface);
             stack.crossing = crossing;
             stack.inside.clone_from(&inside);
-            if media.is_opaque(next) {
-                break;
-            }
             layer = next;
         }
         !stack.layers.is_empty()

@@ -1,6 +1,6 @@
 //! What the tracer reads: shared by all workers, changed by none.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::inside::Solids;
 use super::media::Media;
@@ -10,6 +10,7 @@ use crate::intersect::Scene;
 use crate::light::Light;
 use crate::plan::Plan;
 use crate::sample::Sample;
+use crate::sample::tiling::Cell;
 
 /// Sample, scene and plan, with what rays need of them close together.
 pub struct Kernel<'a> {
@@ -20,6 +21,8 @@ pub struct Kernel<'a> {
     pub(super) media: Media,
     /// Surfaces of more than one face: leaving a body there may enter another.
     shared: Vec<bool>,
+    /// How far sideways a ray may get: in periods, or, in an open sample, µm from the centre.
+    far: DVec2,
     pub(super) follow_phase: bool,
 }
 
@@ -38,7 +41,8 @@ impl<'a> Kernel<'a> {
         let wavelengths: Vec<f64> = light.wavelengths.um().collect();
         let media = Media::new(&sample.media, plan, &wavelengths);
         let (solids, shared) = (Solids::new(sample), shared_surfaces(scene));
-        Self { scene, sample, plan, solids, media, shared, follow_phase: false }
+        let far = plan.limits.walk * furthest(&sample.cell);
+        Self { scene, sample, plan, solids, media, shared, far, follow_phase: false }
     }
 
     /// The same, with lengths reported at exits, from which the phase follows.
@@ -144,13 +148,18 @@ impl<'a> Kernel<'a> {
     /// Whether a ray has gone so far sideways that its light counts as guided out of the sample.
     #[inline]
     pub(super) fn walked_out(&self, walk: [i32; 2], origin: DVec3) -> bool {
-        let cell = &self.sample.cell;
-        let far = self.plan.limits.walk;
-        if cell.periodic {
-            return walk.iter().any(|&n| f64::from(n.abs()) > far);
+        if self.sample.cell.periodic {
+            return (0..2).any(|axis| f64::from(walk[axis].abs()) > self.far[axis]);
         }
-        (0..2).any(|axis| origin[axis].abs() > far * cell.size[axis])
+        (0..2).any(|axis| origin[axis].abs() > self.far[axis])
     }
+}
+
+/// The longer of footprint and height, for light that only crosses a high sample is not guided: in periods, or, in an
+/// open sample, µm.
+fn furthest(cell: &Cell) -> DVec2 {
+    let longer = cell.size.max(DVec2::splat(cell.heights.1 - cell.heights.0));
+    if cell.periodic { longer / cell.size } else { longer }
 }
 
 /// Which surfaces belong to more than one face.

@@ -6,6 +6,8 @@ use gonio_embree::geometry::{Builder, Shape, Triangle};
 use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 
+pub mod build;
+pub mod listen;
 pub mod stats;
 
 /// A uniformly distributed direction.

@@ -27,15 +27,17 @@ const KINDS: [&str; 2] = ["bricks", "packing"];
 impl Generate {
     /// Reads the table; `None` if something is wrong, which has been noted.
     pub fn read(t: &Table<'_>) -> Option<Self> {
-        match t.text("kind").or_else(|| t.missing_if_absent("kind", "\"bricks\""))? {
-            "bricks" => Bricks::read(t).map(Self::Bricks),
-            "packing" => SpherePacking::read(t).map(Self::Packing),
-            other => {
+        match t.text("kind").or_else(|| t.missing_if_absent("kind", "\"bricks\"")) {
+            Some("bricks") => return Bricks::read(t).map(Self::Bricks),
+            Some("packing") => return SpherePacking::read(t).map(Self::Packing),
+            Some(other) => {
                 let hint = suggestion(other, KINDS);
                 t.complain(format!("unknown kind `{other}`{hint}; known: {}", KINDS.join(", ")));
-                None
             }
+            None => {}
         }
+        t.accept_all_keys();
+        None
     }
 
     /// The footprint that goes with it, if the sample file gives none.

@@ -4,7 +4,8 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::super::description::{Body, Fill, Object, Shape, read_fill};
+use super::super::description::{Body, Fill, Object, Shape};
+use super::super::fill::read_fill;
 use super::super::problem::Place;
 use super::super::reader::Table;
 use rand::rngs::Xoshiro256PlusPlus;
@@ -53,6 +54,15 @@ impl fmt::Display for PackingError {
     }
 }
 
+/// Largest number of spheres in one packing.
+const MOST_SPHERES: usize = 2_000_000;
+
+/// Beyond this share of the volume random insertion never gets: trying would only take time.
+const DENSEST: f64 = 0.4;
+
+/// Cells of the grid per sphere, at most.
+const CELLS_PER_SPHERE: f64 = 8.0;
+
 /// Tries per sphere before a packing counts as jammed.
 const TRIES: usize = 200_000;
 
@@ -93,7 +103,18 @@ impl Packing {
         fits("a sphere is thicker than the slab", 2.0 * self.radius <= self.size.z)?;
         let across = self.size.x.min(self.size.y);
         fits("a sphere is wider than the repeated slab", !self.periodic || 2.0 * self.radius <= across)?;
-        fits("the spheres have more volume than the slab", self.fraction(self.count) < 1.0)
+        if self.count > MOST_SPHERES {
+            let why = format!("{:.1e} spheres: at most {MOST_SPHERES} are taken", self.count as f64);
+            return Err(PackingError::DoesNotFit(why));
+        }
+        let share = self.fraction(self.count);
+        if share > DENSEST {
+            let why = format!(
+                "the spheres would fill {share:.3} of the slab: random insertion ends near 0.38; use fewer or smaller spheres"
+            );
+            return Err(PackingError::DoesNotFit(why));
+        }
+        Ok(())
     }
 }
 
@@ -115,7 +136,7 @@ impl SpherePacking {
     pub(super) fn read(t: &Table<'_>) -> Option<Self> {
         let radius = t.positive_length("radius").or_else(|| t.missing_if_absent("radius", "0.5"));
         let size = t.point("size").or_else(|| t.missing_if_absent("size", "[20, 20, 10]"));
-        let count = t.integer("count", 1..20_000_001);
+        let count = t.integer("count", 1..MOST_SPHERES as i64 + 1);
         let fraction = t.number("fraction");
         let seed = t.integer("seed", 0..i64::MAX).unwrap_or(1) as u64;
         let periodic = t.boolean("periodic").unwrap_or(true);
@@ -162,8 +183,14 @@ struct Grid<'a> {
 
 impl<'a> Grid<'a> {
     fn new(packing: &'a Packing) -> Self {
-        let most = (packing.count as f64).cbrt().ceil() * 4.0 + 1.0;
-        let cells = (packing.size / (2.0 * packing.radius)).to_array().map(|n| n.clamp(1.0, most) as usize);
+        let most = CELLS_PER_SPHERE * packing.count as f64 + 1.0;
+        let mut fitting = (packing.size / (2.0 * packing.radius)).floor().max(DVec3::ONE);
+        // In a dilute packing most cells would be empty.
+        while fitting.element_product() > most {
+            let longest = fitting.max_position();
+            fitting[longest] = (0.5 * fitting[longest]).floor();
+        }
+        let cells = fitting.to_array().map(|n| n as usize);
         Self { packing, cells, members: vec![Vec::new(); cells.iter().product()] }
     }
 
@@ -236,6 +263,7 @@ mod tests {
         let base = Packing { count: 1000, radius: 0.5, size: DVec3::splat(10.0), periodic: true, seed: 1 };
         assert!(matches!(Packing { radius: 6.0, ..base }.centers(), Err(PackingError::DoesNotFit(_))));
         assert!(matches!(Packing { count: 2000, ..base }.centers(), Err(PackingError::DoesNotFit(_))));
-        assert!(matches!(base.centers(), Err(PackingError::Jammed { .. })));
+        assert!(matches!(base.centers(), Err(PackingError::DoesNotFit(_))));
+        assert!(matches!(Packing { count: 750, ..base }.centers(), Err(PackingError::Jammed { .. })));
     }
 }

@@ -1,0 +1,96 @@
+//! The media of a sample, by number.
+
+use std::collections::HashMap;
+
+use super::description::{Description, Named};
+use super::limits;
+use super::problem::{Problem, Problems, suggestion};
+use crate::light::Wavelengths;
+use crate::media::{Dispersion, builtin, builtins, check_index};
+use crate::optics::C64;
+
+/// Number of a medium in [`Sample::media`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MediumId(pub u16);
+
+/// A medium at the wavelengths of the light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MediumTable {
+    /// Its name; of several that are equal, the first.
+    pub name: String,
+    /// Complex index per wavelength.
+    pub index: Vec<C64>,
+}
+
+impl MediumTable {
+    /// Whether it absorbs at any wavelength.
+    pub fn absorbs(&self) -> bool {
+        self.index.iter().any(|n| n.im > 0.0)
+    }
+}
+
+/// Media in use, without duplicates.
+pub(super) struct MediaList<'a> {
+    description: &'a Description,
+    wavelengths: &'a Wavelengths,
+    pub(super) tables: Vec<MediumTable>,
+    known: HashMap<String, Option<MediumId>>,
+}
+
+impl<'a> MediaList<'a> {
+    pub(super) fn new(description: &'a Description, wavelengths: &'a Wavelengths) -> Self {
+        Self { description, wavelengths, tables: Vec::new(), known: HashMap::new() }
+    }
+
+    /// The number of a medium; each unknown name is reported at its first use only.
+    pub(super) fn resolve(&mut self, named: &Named, problems: &mut Problems) -> Option<MediumId> {
+        if let Some(id) = self.known.get(&named.name) {
+            return *id;
+        }
+        let id = self.look_up(named).and_then(|table| self.add(table, named)).map_err(|p| problems.push(p)).ok();
+        self.known.insert(named.name.clone(), id);
+        id
+    }
+
+    fn look_up(&self, named: &Named) -> Result<MediumTable, Problem> {
+        let defined = self.description.media.iter().find(|m| m.name == named.name);
+        let (dispersion, place) = match defined {
+            Some(medium) => (medium.dispersion.clone(), &medium.place),
+            None => (self.built_in(named)?, &named.place),
+        };
+        let index: Result<Vec<C64>, _> = self.wavelengths.um().map(|w| dispersion.index(w)).collect();
+        let index = index.map_err(|e| {
+            place.problem(format!("medium `{}`: {e}; choose --wavelengths within, or other data", named.name))
+        })?;
+        if let Some((nm, e)) =
+            self.wavelengths.nm().iter().zip(&index).find_map(|(nm, n)| Some((nm, check_index(*n).err()?)))
+        {
+            return Err(place.problem(format!("medium `{}` at {nm} nm: {e}; correct its formula", named.name)));
+        }
+        Ok(MediumTable { name: named.name.clone(), index })
+    }
+
+    fn built_in(&self, named: &Named) -> Result<Dispersion, Problem> {
+        builtin(&named.name).map(|b| b.dispersion).ok_or_else(|| {
+            let own = self.description.media.iter().map(|m| m.name.as_str());
+            let all = builtins();
+            let hint = suggestion(&named.name, own.chain(all.iter().flat_map(|b| b.names.iter().copied())));
+            let message =
+                format!("unknown medium `{0}`{hint}; define it under [media], for example {0} = 1.5", named.name);
+            named.place.problem(message)
+        })
+    }
+
+    fn add(&mut self, table: MediumTable, named: &Named) -> Result<MediumId, Problem> {
+        let known = self.tables.iter().position(|t| t.index == table.index);
+        let at = known.unwrap_or(self.tables.len());
+        if at == limits::MOST_MEDIA {
+            let message = format!("medium `{}`: at most {at} different media are taken; use fewer", named.name);
+            return Err(named.place.problem(message));
+        }
+        if known.is_none() {
+            self.tables.push(table);
+        }
+        Ok(MediumId(at as u16))
+    }
+}
