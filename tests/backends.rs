@@ -14,21 +14,24 @@ use gonio_embree::intersect::choose::Backend;
 use gonio_embree::intersect::{Coherence, Scene};
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
 
 /// A geometry with the points where it is delicate.
 struct Case {
     name: &'static str,
     primitives: Arc<Primitives>,
     /// Aims at edges, corners, rims, tangents, touching faces.
-    aim: Box<dyn Fn(&mut Xoshiro256PlusPlus) -> DVec3>,
+    aim: Aim,
 }
+
+type Aim = Box<dyn Fn(&mut Xoshiro256PlusPlus) -> DVec3 + Send + Sync>;
 
 /// A case whose body has no end, so that lines through it need not leave it.
 const ENDLESS: &str = "endless cylinder";
 
 fn build(
     name: &'static str,
-    aim: impl Fn(&mut Xoshiro256PlusPlus) -> DVec3 + 'static,
+    aim: impl Fn(&mut Xoshiro256PlusPlus) -> DVec3 + Send + Sync + 'static,
     fill: impl Fn(&mut Builder),
 ) -> Case {
     let mut builder = Builder::default();
@@ -194,24 +197,27 @@ fn check_parity(name: &str, ray: &Ray, primitives: &Primitives, hits: &[Hit]) {
     }
 }
 
+/// Half of the rays are aimed at what is difficult.
 fn run(rays_per_case: usize) {
-    for case in cases() {
+    cases().into_par_iter().for_each(|case| {
         let domain = Aabb { min: DVec3::splat(-20.0), max: DVec3::splat(20.0) };
         let domain = if case.name == ENDLESS { domain } else { Aabb::INFINITE };
         let scenes: Vec<Scene> =
             Backend::available().into_iter().map(|b| Scene::new(case.primitives.clone(), domain, b).unwrap()).collect();
         let (brute, others) = scenes.split_last().unwrap();
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(7);
-        let (mut met, mut done) = (0, 0);
-        while done < rays_per_case {
-            let aimed = done % 2 == 1;
-            let queries: Vec<Query> = (0..1024).map(|_| query(&case, aimed, &mut rng)).collect();
+        let mut met = 0;
+        for chunk in 0..rays_per_case.div_ceil(CHUNK) {
+            let aimed = chunk % 2 == 1;
+            let queries: Vec<Query> = (0..CHUNK).map(|_| query(&case, aimed, &mut rng)).collect();
             met += compare(&case, brute, others, &queries);
-            done += queries.len();
         }
         assert!(met > rays_per_case / 20, "{}: only {met} rays met anything", case.name);
-    }
+    });
 }
+
+/// Rays asked together.
+const CHUNK: usize = 1024;
 
 /// A fresh query, or one that goes on from a surface.
 fn query(case: &Case, aimed: bool, rng: &mut Xoshiro256PlusPlus) -> Query {
@@ -282,7 +288,7 @@ fn backends_agree_and_nothing_leaks() {
 }
 
 #[test]
-#[ignore = "slow: cargo test --release --test backends -- --ignored (about an hour)"]
+#[ignore = "slow: cargo test --release --test backends -- --ignored (half an hour)"]
 fn backends_agree_and_nothing_leaks_for_1e8_rays() {
     run(12_500_000);
 }

@@ -3,8 +3,8 @@
 //!
 //! Error budget, in units of the span S: rounding the origin and direction of a ray moves it by at most
 //! 2⁻²⁴·S each (origins farther than `NEAR` spans are first moved along the ray, in double precision); the
-//! slab tests of the accelerators add a few 2⁻²⁴·S. The pad is 2⁻²⁰·S, several times the sum. It is also larger
-//! than the smallest distance obvhs looks at (1e-4), so nothing is overlooked close to an origin.
+//! slab tests of the accelerators add a few 2⁻²⁴·S. The pad is 2⁻²⁰·S, several times the sum. Rays
+//! reach as much farther than asked: obvhs never looks nearer than 1e-4.
 
 use glam::DVec3;
 
@@ -73,7 +73,7 @@ impl Proxy {
         }
     }
 
-    /// A distance along `ray` in proxy units, rounded up.
+    /// A distance along `ray` in proxy units, rounded up by as much as boxes are grown.
     #[inline]
     pub fn reach(&self, t: f64, ray: &ProxyRay) -> f32 {
         self.reach_after(t, ray.skipped)
@@ -82,7 +82,7 @@ impl Proxy {
     /// The same, for a ray whose start was moved by `skipped` µm.
     #[inline]
     pub fn reach_after(&self, t: f64, skipped: f64) -> f32 {
-        ((t - skipped) * self.scale) as f32 * 1.000_001
+        ((t - skipped) * self.scale + PAD) as f32 * 1.000_001
     }
 }
 

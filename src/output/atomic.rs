@@ -22,7 +22,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     done
 }
 
-/// Finds out, before long work, whether [`write`] will be possible.
+/// Finds out, before long work, whether [`write()`] will be possible.
 ///
 /// # Errors
 /// What the file system reports.

@@ -11,7 +11,7 @@ use crate::optics::C64;
 /// Largest number of media that differ.
 const MOST_MEDIA: usize = 10_000;
 
-/// Number of a medium in [`Sample::media`].
+/// Number of a medium in `Sample::media`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MediumId(pub u16);
 

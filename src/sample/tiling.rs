@@ -1,7 +1,7 @@
 //! The footprint of the beam, and how the sample repeats beside it.
 //!
 //! A periodic sample is traced in one cell. The cell is a little larger than the period on every side, by
-//! [`Cell::overlap`]: a ray that reaches a seam is moved by one period and lands well inside. Around it, copies of
+//! `Cell::overlap`: a ray that reaches a seam is moved by one period and lands well inside. Around it, copies of
 //! the bodies fill a zone in which stacks of films can be probed. Seams are put where no wall stands, so that no
 //! face is met twice or never.
 

@@ -42,8 +42,9 @@ pub struct Interface<'a> {
     pub around: Around,
 }
 
-/// Shares of the power between this and 1 minus this are followed both while a tree splits.
-const SPLIT_ABOVE: f64 = 0.01;
+/// While a tree splits, both beams are followed unless one has less than this share of the power. Far below what can be
+/// measured: the reflection of an antireflection coating is a small share that people want to know well.
+const SPLIT_ABOVE: f64 = 1e-9;
 
 /// Below this sine of the angle of incidence any plane of incidence will do.
 const NORMAL: f64 = 1e-12;

@@ -51,7 +51,7 @@ impl TreeNumbers {
         Self { key, entry: [fine(0), fine(1)], first: [fine(2), fine(3)] }
     }
 
-    /// The key from which [`decision`] draws.
+    /// The key from which `decision` draws.
     pub fn key(&self) -> u64 {
         self.key
     }
