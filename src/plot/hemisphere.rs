@@ -26,8 +26,12 @@ pub fn draw_row(area: &Area<'_>, incidences: &[&Scattering], up: bool) -> Drawn 
         let center = (i32::try_from((width - SCALE) / 8).unwrap_or(0), (height / 2 + 12) as i32);
         draw_map(part, center, s, up, top)?;
         if i == 0 {
-            let what = if up { "BRDF, upper half" } else { "BTDF, lower half" };
-            label(part, &format!("{what}, seen from above"), (12, 10), 14, HPos::Left)?;
+            let what = if up {
+                "BRDF, upper half, seen from above. Cross: the source; disc: the specular part"
+            } else {
+                "BTDF, lower half, seen from above. Disc: the undeflected part"
+            };
+            label(&maps, what, (12, 10), 14, HPos::Left)?;
         }
     }
     if top > 0.0 { draw_scale(&scale, top, if up { "BRDF" } else { "BTDF" }) } else { Ok(()) }
