@@ -83,6 +83,13 @@ impl Device {
         let built = sys::RTC_VERSION;
         // Within version 3 the layout is fixed; in 4 it depends on options that follow the minor version.
         let same = if built / 10_000 == 3 { running / 10_000 == 3 } else { running / 100 == built / 100 };
+        // SAFETY: returns a constant.
+        let compiled = unsafe { sys::gonio_sizeof_rayhit16() };
+        if compiled != size_of::<sys::RTCRayHit16>() {
+            return Err(
+                "the Embree header was bound wrongly: its structs differ in size; build again from clean".into()
+            );
+        }
         if same {
             return Ok(());
         }
