@@ -53,8 +53,10 @@
 //!   the same bytes for any number of threads.
 
 pub mod bsdf;
+pub mod colour;
 pub mod dome;
 pub mod experiment;
+pub mod films;
 pub mod geometry;
 pub mod intersect;
 pub mod light;
