@@ -16,6 +16,8 @@
 //!                                             └ optics
 //! ```
 //!
+//! [`films`] is a side room: stacks by themselves, solved without a sample.
+//!
 //! [`experiment::measure`] walks the whole way:
 //!
 //! ```

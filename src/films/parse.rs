@@ -94,18 +94,19 @@ impl<'a> Parser<'a> {
     /// The first or the last medium.
     fn outer(&mut self, which: &str) -> Result<Written, StackError> {
         let words = self.words();
-        let Some(end) = words.last() else {
+        if words.is_empty() {
             let token = self.next();
             return Err(wrong(
                 token.span,
                 format!("{}; expected the {which} medium, such as air or 1.5", found(token)),
             ));
-        };
-        let thick = words.len() > 1 && number(end.text).is_some_and(|(_, behind)| !behind.starts_with(['+', '-', 'i']));
-        if thick && !is_sum(words) {
-            let message =
-                format!("found a thickness `{}`; the {which} medium is endless: write its name only", end.text);
-            return Err(wrong(end.span, message));
+        }
+        let (name, thickness) = split(words);
+        let thick = number(thickness[0].text).is_some_and(|(_, behind)| !behind.starts_with(['+', '-', 'i']));
+        if !name.is_empty() && thick {
+            let found = text(thickness);
+            let message = format!("found a thickness `{found}`; the {which} medium is endless: write its name only");
+            return Err(wrong(spanning(thickness), message));
         }
         medium(words)
     }
@@ -175,18 +176,25 @@ fn count(token: &Token<'_>) -> Result<usize, StackError> {
     })
 }
 
-/// A layer: the last word, or the last two, are its thickness.
-fn layer(words: &[Token<'_>]) -> Result<(Written, f64), StackError> {
+/// What is before a thickness, and the thickness: the last word, or a number and its unit.
+fn split<'t, 'a>(words: &'t [Token<'a>]) -> (&'t [Token<'a>], &'t [Token<'a>]) {
     let count = words.len();
     let whole = |t: &Token<'_>| number(t.text).is_some_and(|(_, behind)| behind.is_empty());
     let apart = count > 1 && whole(&words[count - 2]) && !starts_number(words[count - 1].text);
-    let (name, thickness) = words.split_at(count - if apart { 2 } else { 1 });
+    words.split_at(count - if apart { 2 } else { 1 })
+}
+
+/// A layer: a medium and its thickness.
+fn layer(words: &[Token<'_>]) -> Result<(Written, f64), StackError> {
+    let (name, thickness) = split(words);
     let Some((value, behind)) = number(thickness[0].text) else {
         let all = spanning(words);
         return Err(wrong(all, format!("found no thickness behind `{}`; write for example `{0} 50nm`", text(words))));
     };
-    let unit = if apart { thickness[1] } else { thickness[0] };
-    let nm = value * nanometres(if apart { unit.text } else { behind }, unit.span)?;
+    let nm = match thickness {
+        [_, unit] => value * nanometres(unit.text, unit.span)?,
+        _ => value * nanometres(behind, spanning(thickness))?,
+    };
     if name.is_empty() {
         let message = format!("found only `{}`; expected a medium and a thickness, such as `chitin 50nm`", text(words));
         return Err(wrong(spanning(words), message));

@@ -15,6 +15,10 @@ const MOST_NAMED: usize = 6;
 const MOST_COLOURS: usize = 17;
 /// Wavelengths drawn over the angle.
 const MOST_WAVELENGTHS: usize = 6;
+/// Values that are too few for a curve: the points are shown.
+const FEW: usize = 20;
+/// Characters of the title.
+const LONGEST_TITLE: usize = 130;
 /// Less is not worth a chart.
 const NOTHING: f64 = 1e-9;
 
@@ -31,6 +35,9 @@ pub fn film(title: &str, sweep: &Sweep) -> String {
     }
     text
 }
+
+/// What a chart shows.
+type Share = fn(&Shares) -> f64;
 
 /// Charts that share their axis along x.
 struct Row {
@@ -82,9 +89,9 @@ fn draw(root: &Area<'_>, title: &str, sweep: &Sweep, rows: &[Row]) -> Drawn {
 }
 
 fn draw_row(area: &Area<'_>, row: &Row) -> Drawn {
-    let shares: [(&str, fn(&Shares) -> f64); 3] =
+    let shares: [(&str, Share); 3] =
         [("Reflectance", |s| s.reflected), ("Transmittance", |s| s.transmitted), ("Absorptance", Shares::absorbed)];
-    let some = |share: &fn(&Shares) -> f64| row.lines.iter().flat_map(|l| &l.shares).any(|s| share(s) > NOTHING);
+    let some = |share: &Share| row.lines.iter().flat_map(|l| &l.shares).any(|s| share(s) > NOTHING);
     let shown: Vec<_> = shares.into_iter().filter(|(name, share)| *name == "Reflectance" || some(share)).collect();
     for (part, (name, share)) in area.split_evenly((1, shown.len())).iter().zip(shown) {
         draw_chart(part, name, row, share)?;
@@ -92,7 +99,7 @@ fn draw_row(area: &Area<'_>, row: &Row) -> Drawn {
     Ok(())
 }
 
-fn draw_chart(area: &Area<'_>, title: &str, row: &Row, share: fn(&Shares) -> f64) -> Drawn {
+fn draw_chart(area: &Area<'_>, title: &str, row: &Row, share: Share) -> Drawn {
     let low = row.x.iter().copied().fold(f64::INFINITY, f64::min);
     let high = row.x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     // A single value still needs an axis.
@@ -115,7 +122,7 @@ fn draw_chart(area: &Area<'_>, title: &str, row: &Row, share: fn(&Shares) -> f64
     for (i, line) in row.lines.iter().enumerate() {
         let color = shade(0.85 * i as f64 / (count - 1).max(1) as f64);
         let points = row.x.iter().zip(&line.shares).map(|(&x, s)| (x, share(s)));
-        let size = if row.x.len() == 1 { 3 } else { 0 };
+        let size = if row.x.len() <= FEW { 3 } else { 0 };
         let series = chart.draw_series(LineSeries::new(points, color.stroke_width(2)).point_size(size))?;
         if named.contains(&i) {
             let mark = move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2));
@@ -136,7 +143,8 @@ fn draw_colours(area: &Area<'_>, title: &str, sweep: &Sweep) -> Drawn {
     let text = |at: (i32, i32), text: &str, size: u32, anchor: HPos| {
         area.draw_text(text, &(FONT, size).into_text_style(area).pos(Pos::new(anchor, VPos::Top)), at)
     };
-    text((12, 10), title, 18, HPos::Left)?;
+    let title: String = title.chars().take(LONGEST_TITLE).collect();
+    text((12, 10), &title, 16, HPos::Left)?;
     let note = format!("{} light; colour of reflected daylight (D65, 2° observer) per angle:", sweep.polarization);
     text((12, 36), &note, 14, HPos::Left)?;
     let shown: Vec<&Spectrum> = chosen(sweep.spectra.len(), MOST_COLOURS).map(|i| &sweep.spectra[i]).collect();
