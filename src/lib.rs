@@ -16,6 +16,8 @@
 //!                                             └ optics
 //! ```
 //!
+//! [`films`] is a side room: stacks by themselves, solved without a sample.
+//!
 //! [`experiment::measure`] walks the whole way:
 //!
 //! ```
@@ -53,8 +55,10 @@
 //!   the same bytes for any number of threads.
 
 pub mod bsdf;
+pub mod colour;
 pub mod dome;
 pub mod experiment;
+pub mod films;
 pub mod geometry;
 pub mod intersect;
 pub mod light;

@@ -1,7 +1,6 @@
 //! The default command: measure a sample.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use clap::{ArgGroup, Args};
 use glam::DVec2;
@@ -9,8 +8,6 @@ use gonio_embree::dome::FINEST_LEVEL;
 use gonio_embree::experiment::{Origin, Outcome, Settings, measure};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelengths};
-use gonio_embree::media::parse_index;
-use gonio_embree::optics::C64;
 use gonio_embree::output::{Measured, atomic, netcdf, sha256_of_files, summary, table};
 use gonio_embree::plan::{Limits, Wanted};
 use gonio_embree::plot;
@@ -18,7 +15,7 @@ use gonio_embree::sample::description::Sides;
 use gonio_embree::sample::{Description, Sample, obj};
 use gonio_embree::units::{self, LengthUnit};
 
-use super::numbers::{Count, Values};
+use super::numbers::{Count, NamedIndex, Values};
 use super::progress::{Line, duration};
 use super::{Failure, answer, tell};
 
@@ -97,19 +94,6 @@ pub struct Options {
     /// Show no progress
     #[arg(long, help_heading = "Output")]
     quiet: bool,
-}
-
-/// `melanin=2.0+0.01i`.
-#[derive(Clone, Debug, PartialEq)]
-struct NamedIndex(String, C64);
-
-impl FromStr for NamedIndex {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (name, index) = text.split_once('=').ok_or("expected NAME=INDEX such as melanin=2.0+0.01i")?;
-        Ok(Self(name.trim().into(), parse_index(index)?))
-    }
 }
 
 /// Measures, and writes what came out.

@@ -1,5 +1,6 @@
 //! The command line: what the user typed becomes a measurement, and the outcome an exit code.
 
+mod film;
 mod generate;
 mod measure;
 mod numbers;
@@ -34,6 +35,8 @@ enum Command {
     /// Write a sample made by rule
     #[command(subcommand)]
     Generate(generate::Kind),
+    /// Reflectance, transmittance and colour of a stack of films
+    Film(film::Options),
 }
 
 /// The version with that of every backend.
@@ -81,6 +84,7 @@ pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let done = match &cli.command {
         Some(Command::Generate(kind)) => generate::run(kind),
+        Some(Command::Film(options)) => film::run(options),
         None => measure::run(&cli.measure),
     };
     match done {

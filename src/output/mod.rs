@@ -2,6 +2,7 @@
 //! [`Measured`] to bytes or text; [`atomic`] puts them on the disk.
 
 pub mod atomic;
+pub mod film;
 mod measured;
 pub mod netcdf;
 pub mod summary;

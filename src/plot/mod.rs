@@ -1,7 +1,10 @@
 //! Pictures of results, as SVG.
 
+mod film;
 mod hemisphere;
 mod spectra;
+
+pub use film::film;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
