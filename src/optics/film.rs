@@ -30,22 +30,26 @@ pub struct Incidence {
     grazing: bool,
 }
 
+/// The least cosine of incidence: grazing incidence as a limit, reached to all digits, where 0 itself would leave
+/// 0/0 between equal media.
+const GRAZING: f64 = 1e-150;
+
 impl Incidence {
     /// From the cosine of the angle of incidence, 0..=1.
     pub fn from_cos(index: f64, cos: f64) -> Self {
         let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
-        Self { index, kz: index * cos, kx: index * sin, grazing: cos * cos < 0.5 }
+        Self { index, kz: index * cos.max(GRAZING), kx: index * sin, grazing: cos * cos < 0.5 }
     }
 
     /// From the tangential wave number n sin θ, 0..=n.
     pub fn from_kx(index: f64, kx: f64) -> Self {
-        Self { index, kz: ((index - kx) * (index + kx)).sqrt(), kx, grazing: false }
+        Self { index, kz: ((index - kx) * (index + kx)).sqrt().max(index * GRAZING), kx, grazing: false }
     }
 
     /// From the angle of incidence, radians, 0..=π/2.
     pub fn from_angle(index: f64, angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
-        Self { index, kz: index * cos, kx: index * sin, grazing: cos * cos < 0.5 }
+        Self { index, kz: index * cos.max(GRAZING), kx: index * sin, grazing: cos * cos < 0.5 }
     }
 
     /// Normal wave number k_z in a medium.
@@ -110,6 +114,7 @@ pub fn solve(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64
 }
 
 /// Tangential fields, with their common power of two and the logarithm of the factor left out of them.
+#[derive(Clone, Copy)]
 struct Fields {
     u: C64,
     v: C64,
@@ -117,11 +122,33 @@ struct Fields {
     log_factor: C64,
 }
 
+impl Fields {
+    /// Of a single wave leaving the stack.
+    fn outgoing(admittance: C64) -> Self {
+        Self { u: C64::ONE, v: admittance, exponent: 0, log_factor: C64::ZERO }
+    }
+
+    /// Power that flows through the interface, in the units of these fields.
+    fn flux(&self) -> f64 {
+        (self.u.conj() * self.v).re
+    }
+
+    /// The same in the units of fields nearer to the source.
+    fn flux_in_units_of(&self, front: &Self) -> f64 {
+        self.flux() * self.power_in_units_of(front)
+    }
+
+    /// One unit of power, in the units of fields nearer to the source.
+    fn power_in_units_of(&self, front: &Self) -> f64 {
+        let log_factor = C64::from(2.0 * (front.log_factor.re - self.log_factor.re));
+        exp_scaled(log_factor, 2 * (self.exponent - front.exponent)).re
+    }
+}
+
 fn sweep_both(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64, p: bool) -> Amplitudes {
-    let admittance = |n: C64, kz: C64| if p { kz / (n * n) } else { kz };
     let first = C64::new(incidence.index, 0.0);
     let (kz0, kzn) = (incidence.normal(first), incidence.normal(last));
-    let (q0, qn) = (admittance(first, kz0), admittance(last, kzn));
+    let (q0, qn) = (admittance(first, kz0, p), admittance(last, kzn, p));
     let forward = sweep(incidence, layers.iter().rev(), qn, wavelength, p);
     let back = sweep(incidence, layers.iter(), q0, wavelength, p);
     let denominator = q0 * forward.u + forward.v;
@@ -138,6 +165,34 @@ fn sweep_both(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f6
     }
 }
 
+/// Share of the incident power that each layer absorbs: the difference of the fluxes through its two interfaces.
+/// 0 in layers of real index, where only rounding would be left.
+pub fn absorptances(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64) -> Pair<Vec<f64>> {
+    let of = |p: bool| {
+        let (first, kzn) = (C64::new(incidence.index, 0.0), incidence.normal(last));
+        let (q0, qn) = (admittance(first, incidence.normal(first), p), admittance(last, kzn, p));
+        let mut f = Fields::outgoing(qn);
+        let mut absorbed: Vec<_> = layers
+            .iter()
+            .rev()
+            .map(|layer| {
+                let behind = f;
+                cross(&mut f, layer, incidence, wavelength, p);
+                if layer.index.im > 0.0 { (f, f.flux() - behind.flux_in_units_of(&f)) } else { (f, 0.0) }
+            })
+            .collect();
+        absorbed.reverse();
+        let incident = (q0 * f.u + f.v).norm_sqr() / (4.0 * q0.re);
+        absorbed.into_iter().map(|(at, flux)| (flux * at.power_in_units_of(&f) / incident).max(0.0)).collect()
+    };
+    Pair { s: of(false), p: of(true) }
+}
+
+/// V/U of a wave: k_z (s), or k_z/n² (p).
+fn admittance(n: C64, kz: C64, p: bool) -> C64 {
+    if p { kz / (n * n) } else { kz }
+}
+
 /// Re(n cos θ) (s) or Re(n cos θ*) (p) of the last medium over n cos θ of the first.
 fn flux_ratio(kz0: f64, last: C64, kzn: C64, p: bool) -> f64 {
     let flux = if p { (last * (kzn / last).conj()).re } else { kzn.re };
@@ -152,25 +207,28 @@ fn sweep<'a>(
     wavelength: f64,
     p: bool,
 ) -> Fields {
-    let mut f = Fields { u: C64::ONE, v: admittance, exponent: 0, log_factor: C64::ZERO };
-    for layer in layers {
-        let n2 = layer.index * layer.index;
-        let kz = incidence.normal(layer.index);
-        if kz.im == 0.0 {
-            // Real wave number: plain cosine and sine keep the determinant, hence the flux, at 1.
-            let (c, b, g) = travelling(kz.re, layer.thickness, wavelength);
-            let (b, g) = if p { (b * n2, g / n2) } else { (C64::new(b, 0.0), C64::new(g, 0.0)) };
-            let minus_i = |z: C64| C64::new(z.im, -z.re);
-            (f.u, f.v) = (f.u * c + minus_i(f.v * b), f.v * c + minus_i(f.u * g));
-        } else {
-            let (c, b, g, log_factor) = decaying(kz, layer.thickness, wavelength);
-            let (b, g) = if p { (b * n2, g / n2) } else { (b, g) };
-            (f.u, f.v) = (f.u * c + f.v * b, f.v * c + f.u * g);
-            f.log_factor += log_factor;
-        }
-        rescale(&mut f);
-    }
+    let mut f = Fields::outgoing(admittance);
+    layers.for_each(|layer| cross(&mut f, layer, incidence, wavelength, p));
     f
+}
+
+/// Carries the fields from the back of a layer to its front.
+fn cross(f: &mut Fields, layer: &Layer, incidence: &Incidence, wavelength: f64, p: bool) {
+    let n2 = layer.index * layer.index;
+    let kz = incidence.normal(layer.index);
+    if kz.im == 0.0 {
+        // Real wave number: plain cosine and sine keep the determinant, hence the flux, at 1.
+        let (c, b, g) = travelling(kz.re, layer.thickness, wavelength);
+        let (b, g) = if p { (b * n2, g / n2) } else { (C64::new(b, 0.0), C64::new(g, 0.0)) };
+        let minus_i = |z: C64| C64::new(z.im, -z.re);
+        (f.u, f.v) = (f.u * c + minus_i(f.v * b), f.v * c + minus_i(f.u * g));
+    } else {
+        let (c, b, g, log_factor) = decaying(kz, layer.thickness, wavelength);
+        let (b, g) = if p { (b * n2, g / n2) } else { (b, g) };
+        (f.u, f.v) = (f.u * c + f.v * b, f.v * c + f.u * g);
+        f.log_factor += log_factor;
+    }
+    rescale(f);
 }
 
 /// cos δ, sin δ/k_z, k_z sin δ for a real wave number.
