@@ -92,12 +92,16 @@ fn near(a: &Pair<Amplitudes>, b: &Pair<Amplitudes>, stack: &Stack) -> Result<(),
     Ok(())
 }
 
-/// R + T = 1, and Stokes: r' = −r* t/t*.
+/// R + T = 1, and Stokes: r' = −r* t/t*. Between evanescent layers, fields may be far larger than the flux that
+/// they carry, and only rounding of the input bounds the error.
 fn lossless(stack: Stack) -> Result<(), TestCaseError> {
     let both = stack.solve();
+    let kx = stack.first * (1.0 - stack.cos * stack.cos).sqrt();
+    let tunnels = stack.layers.iter().any(|l| l.index.re <= kx);
+    let allowed = 1e-14 * (1.0 + stack.layers.len() as f64 / 8.0) + if tunnels { 4.0 * stack.noise() } else { 0.0 };
     for a in [both.s, both.p] {
         let sum = a.reflectance() + a.transmittance();
-        prop_assert!((sum - 1.0).abs() <= 1e-14 * (1.0 + stack.layers.len() as f64 / 8.0), "R+T-1 = {:e}", sum - 1.0);
+        prop_assert!((sum - 1.0).abs() <= allowed, "R+T-1 = {:e} > {allowed:e}", sum - 1.0);
         if stack.transmits() && a.t.norm() > 1e-100 {
             let stokes = a.r_back + a.r.conj() * a.t / a.t.conj();
             prop_assert!(stokes.norm() <= 1e-13 + 4.0 * stack.noise(), "Stokes {:e}", stokes.norm());
