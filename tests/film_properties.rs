@@ -4,6 +4,7 @@
 #[path = "common/collapse.rs"]
 mod collapse;
 
+use gonio_embree::optics::batch::{Film, Question, Solver};
 use gonio_embree::optics::film::{Amplitudes, Incidence, Layer, absorptances, solve};
 use gonio_embree::optics::{C64, Pair};
 use proptest::prelude::*;
@@ -176,6 +177,29 @@ fn like_the_twin(stack: Stack) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// Lanes give what single wavelengths give, also where indices, thus kinds of layers, differ between lanes.
+fn lanes(stack: Stack) -> Result<(), TestCaseError> {
+    let shift = |w: usize| 1.0 + 0.02 * w as f64;
+    let at = |w: usize| {
+        let layers = stack.layers.iter().map(|l| Layer { index: l.index * shift(w), ..*l }).collect();
+        stack.with(layers)
+    };
+    let stacks: Vec<Stack> = (0..7).map(at).collect();
+    let indices: Vec<Vec<C64>> =
+        (0..stack.layers.len()).map(|i| stacks.iter().map(|s| s.layers[i].index).collect()).collect();
+    let films: Vec<Film> =
+        stack.layers.iter().zip(&indices).map(|(l, n)| Film { indices: n, thickness: l.thickness }).collect();
+    let (incidences, last) = ([Incidence::from_cos(stack.first, stack.cos); 7], [C64::from(stack.last); 7]);
+    let mut out = Vec::new();
+    let question = Question { incidences: &incidences, films: &films, last: &last, wavelengths: &[WAVELENGTH; 7] };
+    Solver::default().solve(&question, &mut out);
+    for (got, stack) in out.iter().zip(&stacks) {
+        let (error, noise) = (difference(got, &stack.solve()), stack.noise());
+        prop_assert!(error <= 4.0 * noise + 1e-14, "{error:e}, noise {noise:e}");
+    }
+    Ok(())
+}
+
 fn check_all(cases: u32) {
     check(cases, false, lossless);
     check(cases, true, passive);
@@ -183,6 +207,7 @@ fn check_all(cases: u32) {
         check(cases, absorbs, reversed);
         check(cases, absorbs, invariant);
         check(cases, absorbs, like_the_twin);
+        check(cases, absorbs, lanes);
     }
 }
 
