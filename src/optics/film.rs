@@ -21,35 +21,39 @@ pub struct Layer {
 /// The direction of a plane wave in the first medium, whose index is real.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incidence {
-    index: f64,
+    pub(super) index: f64,
     /// n cos θ.
-    kz: f64,
+    pub(super) kz: f64,
     /// n sin θ, the same in all media.
-    kx: f64,
+    pub(super) kx: f64,
     /// Whether `kz` is the better known of the two.
-    grazing: bool,
+    pub(super) grazing: bool,
 }
+
+/// The least cosine of incidence: grazing incidence as a limit, reached to all digits, where 0 itself would leave
+/// 0/0 between equal media.
+const GRAZING: f64 = 1e-150;
 
 impl Incidence {
     /// From the cosine of the angle of incidence, 0..=1.
     pub fn from_cos(index: f64, cos: f64) -> Self {
         let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
-        Self { index, kz: index * cos, kx: index * sin, grazing: cos * cos < 0.5 }
+        Self { index, kz: index * cos.max(GRAZING), kx: index * sin, grazing: cos * cos < 0.5 }
     }
 
     /// From the tangential wave number n sin θ, 0..=n.
     pub fn from_kx(index: f64, kx: f64) -> Self {
-        Self { index, kz: ((index - kx) * (index + kx)).sqrt(), kx, grazing: false }
+        Self { index, kz: ((index - kx) * (index + kx)).sqrt().max(index * GRAZING), kx, grazing: false }
     }
 
     /// From the angle of incidence, radians, 0..=π/2.
     pub fn from_angle(index: f64, angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
-        Self { index, kz: index * cos, kx: index * sin, grazing: cos * cos < 0.5 }
+        Self { index, kz: index * cos.max(GRAZING), kx: index * sin, grazing: cos * cos < 0.5 }
     }
 
     /// Normal wave number k_z in a medium.
-    fn normal(&self, n: C64) -> C64 {
+    pub(super) fn normal(&self, n: C64) -> C64 {
         if n == C64::new(self.index, 0.0) {
             return C64::new(self.kz, 0.0);
         }
@@ -110,32 +114,107 @@ pub fn solve(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64
 }
 
 /// Tangential fields, with their common power of two and the logarithm of the factor left out of them.
-struct Fields {
-    u: C64,
-    v: C64,
-    exponent: i32,
-    log_factor: C64,
+#[derive(Clone, Copy)]
+pub(super) struct Fields {
+    pub u: C64,
+    pub v: C64,
+    pub exponent: i32,
+    pub log_factor: C64,
+}
+
+impl Fields {
+    /// Of a single wave leaving the stack.
+    fn outgoing(admittance: C64) -> Self {
+        Self { u: C64::ONE, v: admittance, exponent: 0, log_factor: C64::ZERO }
+    }
+
+    /// Power that flows through the interface, in the units of these fields.
+    fn flux(&self) -> f64 {
+        (self.u.conj() * self.v).re
+    }
+
+    /// The same in the units of fields nearer to the source.
+    fn flux_in_units_of(&self, front: &Self) -> f64 {
+        self.flux() * self.power_in_units_of(front)
+    }
+
+    /// One unit of power, in the units of fields nearer to the source.
+    fn power_in_units_of(&self, front: &Self) -> f64 {
+        let log_factor = C64::from(2.0 * (front.log_factor.re - self.log_factor.re));
+        exp_scaled(log_factor, 2 * (self.exponent - front.exponent)).re
+    }
 }
 
 fn sweep_both(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64, p: bool) -> Amplitudes {
-    let admittance = |n: C64, kz: C64| if p { kz / (n * n) } else { kz };
-    let first = C64::new(incidence.index, 0.0);
-    let (kz0, kzn) = (incidence.normal(first), incidence.normal(last));
-    let (q0, qn) = (admittance(first, kz0), admittance(last, kzn));
-    let forward = sweep(incidence, layers.iter().rev(), qn, wavelength, p);
-    let back = sweep(incidence, layers.iter(), q0, wavelength, p);
-    let denominator = q0 * forward.u + forward.v;
-    // t of U is 2 q0 t'/(q0 U + V); for the electric field of p, times n0/nN. Kept without the factor kz0, so that
-    // both directions have it.
-    let common = exp_scaled(forward.log_factor, -forward.exponent) * 2.0 / denominator;
-    let common = if p { common / (first * last) } else { common };
-    Amplitudes {
-        r: (q0 * forward.u - forward.v) / denominator,
-        t: kz0 * common,
-        r_back: (qn * back.u - back.v) / (qn * back.u + back.v),
-        t_back: kzn * common,
-        flux_ratio: flux_ratio(kz0.re, last, kzn, p),
+    let ends = Ends::new(incidence, last, p);
+    let forward = sweep(incidence, layers.iter().rev(), ends.qn, wavelength, p);
+    let back = sweep(incidence, layers.iter(), ends.q0, wavelength, p);
+    ends.amplitudes(&forward, &back)
+}
+
+/// The media around a stack, for one polarization: normal wave numbers and admittances.
+pub(super) struct Ends {
+    first: C64,
+    last: C64,
+    kz0: C64,
+    kzn: C64,
+    /// Admittance of the first medium.
+    pub q0: C64,
+    /// Admittance of the last.
+    pub qn: C64,
+    p: bool,
+}
+
+impl Ends {
+    pub fn new(incidence: &Incidence, last: C64, p: bool) -> Self {
+        let first = C64::from(incidence.index);
+        let (kz0, kzn) = (incidence.normal(first), incidence.normal(last));
+        Self { first, last, kz0, kzn, q0: admittance(first, kz0, p), qn: admittance(last, kzn, p), p }
     }
+
+    /// From the fields at the front of the stack, and, lit from behind, at its back.
+    pub fn amplitudes(&self, forward: &Fields, back: &Fields) -> Amplitudes {
+        let Self { first, last, kz0, kzn, q0, qn, p } = *self;
+        let denominator = q0 * forward.u + forward.v;
+        // t of U is 2 q0 t'/(q0 U + V); for the electric field of p, times n0/nN. Kept without the factor kz0, so
+        // that both directions have it.
+        let common = exp_scaled(forward.log_factor, -forward.exponent) * 2.0 / denominator;
+        let common = if p { common / (first * last) } else { common };
+        Amplitudes {
+            r: (q0 * forward.u - forward.v) / denominator,
+            t: kz0 * common,
+            r_back: (qn * back.u - back.v) / (qn * back.u + back.v),
+            t_back: kzn * common,
+            flux_ratio: flux_ratio(kz0.re, last, kzn, p),
+        }
+    }
+}
+
+/// Share of the incident power that each layer absorbs: the difference of the fluxes through its two interfaces.
+/// 0 in layers of real index, where only rounding would be left.
+pub fn absorptances(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64) -> Pair<Vec<f64>> {
+    let of = |p: bool| {
+        let Ends { q0, qn, .. } = Ends::new(incidence, last, p);
+        let mut f = Fields::outgoing(qn);
+        let mut absorbed: Vec<_> = layers
+            .iter()
+            .rev()
+            .map(|layer| {
+                let behind = f;
+                cross(&mut f, layer, incidence, wavelength, p);
+                if layer.index.im > 0.0 { (f, f.flux() - behind.flux_in_units_of(&f)) } else { (f, 0.0) }
+            })
+            .collect();
+        absorbed.reverse();
+        let incident = (q0 * f.u + f.v).norm_sqr() / (4.0 * q0.re);
+        absorbed.into_iter().map(|(at, flux)| (flux * at.power_in_units_of(&f) / incident).max(0.0)).collect()
+    };
+    Pair { s: of(false), p: of(true) }
+}
+
+/// V/U of a wave: k_z (s), or k_z/n² (p).
+fn admittance(n: C64, kz: C64, p: bool) -> C64 {
+    if p { kz / (n * n) } else { kz }
 }
 
 /// Re(n cos θ) (s) or Re(n cos θ*) (p) of the last medium over n cos θ of the first.
@@ -152,29 +231,32 @@ fn sweep<'a>(
     wavelength: f64,
     p: bool,
 ) -> Fields {
-    let mut f = Fields { u: C64::ONE, v: admittance, exponent: 0, log_factor: C64::ZERO };
-    for layer in layers {
-        let n2 = layer.index * layer.index;
-        let kz = incidence.normal(layer.index);
-        if kz.im == 0.0 {
-            // Real wave number: plain cosine and sine keep the determinant, hence the flux, at 1.
-            let (c, b, g) = travelling(kz.re, layer.thickness, wavelength);
-            let (b, g) = if p { (b * n2, g / n2) } else { (C64::new(b, 0.0), C64::new(g, 0.0)) };
-            let minus_i = |z: C64| C64::new(z.im, -z.re);
-            (f.u, f.v) = (f.u * c + minus_i(f.v * b), f.v * c + minus_i(f.u * g));
-        } else {
-            let (c, b, g, log_factor) = decaying(kz, layer.thickness, wavelength);
-            let (b, g) = if p { (b * n2, g / n2) } else { (b, g) };
-            (f.u, f.v) = (f.u * c + f.v * b, f.v * c + f.u * g);
-            f.log_factor += log_factor;
-        }
-        rescale(&mut f);
-    }
+    let mut f = Fields::outgoing(admittance);
+    layers.for_each(|layer| cross(&mut f, layer, incidence, wavelength, p));
     f
 }
 
+/// Carries the fields from the back of a layer to its front.
+fn cross(f: &mut Fields, layer: &Layer, incidence: &Incidence, wavelength: f64, p: bool) {
+    let n2 = layer.index * layer.index;
+    let kz = incidence.normal(layer.index);
+    if kz.im == 0.0 {
+        // Real wave number: plain cosine and sine keep the determinant, hence the flux, at 1.
+        let (c, b, g) = travelling(kz.re, layer.thickness, wavelength);
+        let (b, g) = if p { (b * n2, g / n2) } else { (C64::new(b, 0.0), C64::new(g, 0.0)) };
+        let minus_i = |z: C64| C64::new(z.im, -z.re);
+        (f.u, f.v) = (f.u * c + minus_i(f.v * b), f.v * c + minus_i(f.u * g));
+    } else {
+        let (c, b, g, log_factor) = decaying(kz, layer.thickness, wavelength);
+        let (b, g) = if p { (b * n2, g / n2) } else { (b, g) };
+        (f.u, f.v) = (f.u * c + f.v * b, f.v * c + f.u * g);
+        f.log_factor += log_factor;
+    }
+    rescale(f);
+}
+
 /// cos δ, sin δ/k_z, k_z sin δ for a real wave number.
-fn travelling(kz: f64, thickness: f64, wavelength: f64) -> (f64, f64, f64) {
+pub(super) fn travelling(kz: f64, thickness: f64, wavelength: f64) -> (f64, f64, f64) {
     let (sin, cos) = reduced_phase(kz * thickness / wavelength).sin_cos();
     let b = if kz == 0.0 { TAU * thickness / wavelength } else { sin / kz };
     (cos, b, kz * sin)
@@ -188,7 +270,7 @@ fn reduced_phase(turns: f64) -> f64 {
 }
 
 /// The same times e^{iδ}, with iδ: cos δ e^{iδ}, −i sin δ e^{iδ}/k_z, −i k_z sin δ e^{iδ}.
-fn decaying(kz: C64, thickness: f64, wavelength: f64) -> (C64, C64, C64, C64) {
+pub(super) fn decaying(kz: C64, thickness: f64, wavelength: f64) -> (C64, C64, C64, C64) {
     let turns = kz * (thickness / wavelength);
     let i_delta = C64::new(-TAU * turns.im, reduced_phase(turns.re));
     // expm1(2iδ): exact for thin layers, −1 for thick ones.
@@ -218,6 +300,9 @@ fn rescale(f: &mut Fields) {
 
 /// e^z 2^exponent without leaving the range before the result does.
 fn exp_scaled(z: C64, exponent: i32) -> C64 {
+    if z == C64::ZERO && exponent.abs() < 1000 {
+        return C64::from(f64::from_bits(((1023 + exponent) as u64) << 52));
+    }
     let (sin, cos) = z.im.sin_cos();
     // Split off a power of two, so that a tiny exponential and a large scale meet in the exponent.
     let twos = (z.re / std::f64::consts::LN_2).round();
@@ -229,7 +314,7 @@ fn exp_scaled(z: C64, exponent: i32) -> C64 {
 }
 
 /// No layer: differences of squares, relatively accurate for nearly equal indices.
-fn bare(incidence: &Incidence, last: C64) -> Pair<Amplitudes> {
+pub(super) fn bare(incidence: &Incidence, last: C64) -> Pair<Amplitudes> {
     let n0 = C64::new(incidence.index, 0.0);
     let (kz0, kzn) = (incidence.normal(n0), incidence.normal(last));
     let (n0_2, nn_2) = (n0 * n0, last * last);

@@ -5,9 +5,11 @@
 //! arXiv:1603.02720). Angles enter as direction cosines, never as angles: 1 − sin² loses half the digits near
 //! grazing incidence.
 
+pub mod batch;
 pub mod field;
 pub mod film;
 pub mod fresnel;
+pub mod sincos;
 
 /// A complex number in double precision.
 pub type C64 = num_complex::Complex<f64>;
