@@ -39,10 +39,14 @@ fn pooled(bins: &[f64], n: usize) -> Vec<f64> {
 /// nearly always gets the same light, but from one tree in 10⁶ much more, has no honest standard error.
 const EVENTS: f64 = 100.0;
 
+/// Most of the power that may be guided along an endless cylinder until it has walked out sideways: light that entered at
+/// the rim, where next to none enters or leaves.
+const GUIDED: f64 = 1e-7;
+
 /// Groups of neighbouring bins that expect enough events, by an independent pilot of `FEW` trees a batch: the group
 /// of each bin.
 fn groups(pilot: &[Vec<f64>], trees: u32) -> Vec<usize> {
-    let n = pilot.len() as f64;
+    let (n, bins) = (pilot.len() as f64, pilot[0].len() - 1);
     let events = |bins: std::ops::Range<usize>| {
         let powers = pilot.iter().map(|row| row[bins.clone()].iter().sum::<f64>() * f64::from(FEW));
         let mean = powers.clone().sum::<f64>() / n;
@@ -50,7 +54,7 @@ fn groups(pilot: &[Vec<f64>], trees: u32) -> Vec<usize> {
         variance * f64::from(trees / FEW * BATCHES)
     };
     let (mut first, mut group, mut out) = (0, 0, Vec::new());
-    for bin in 0..pilot[0].len() {
+    for bin in 0..bins {
         out.push(group);
         if events(first..bin + 1) >= EVENTS {
             (first, group) = (bin + 1, group + 1);
@@ -81,8 +85,11 @@ impl Comparison<'_> {
         let groups = groups(&measure(&scrambles(self.seed + 1000, BATCHES / 2), FEW), trees);
         let count = groups[groups.len() - 1] + 1 - usize::from(self.complete);
         let reduced = |row: &Vec<f64>| {
-            assert!(!self.complete || (row.iter().sum::<f64>() - 1.0).abs() < 1e-9);
-            grouped(row, &groups)[..count].to_vec()
+            let (elsewhere, bins) = row.split_last().unwrap();
+            let sum = bins.iter().sum::<f64>() + elsewhere;
+            assert!(!self.complete || (sum - 1.0).abs() < 1e-9, "{}: {:e}", self.name, sum - 1.0);
+            assert!(*elsewhere <= GUIDED, "{}: {elsewhere:e}", self.name);
+            grouped(bins, &groups)[..count].to_vec()
         };
         let rows: Vec<Vec<f64>> = measure(&scrambles(self.seed, BATCHES), trees).iter().map(reduced).collect();
         let p = hotelling(&rows, &grouped(self.truth, &groups)[..count]);

@@ -108,10 +108,16 @@ pub fn listen<F: Field>(
     heard
 }
 
-/// Adds up power by direction.
+/// Adds up power by direction; the last entry is for what does not leave by a direction.
 struct Histogram<'a, B> {
     bin: &'a B,
     power: Vec<f64>,
+}
+
+impl<B> Histogram<'_, B> {
+    fn elsewhere(&mut self, power: f64) {
+        *self.power.last_mut().unwrap() += power;
+    }
 }
 
 impl<F: Field, B: Fn(DVec3) -> Option<usize>> Recorder<F> for Histogram<'_, B> {
@@ -121,9 +127,18 @@ impl<F: Field, B: Fn(DVec3) -> Option<usize>> Recorder<F> for Histogram<'_, B> {
         }
     }
 
-    fn side(&mut self, _: u16, _: f64) {}
-    fn absorb(&mut self, _: u16, _: f64) {}
-    fn lose(&mut self, _: Loss, _: u16, _: f64) {}
+    fn side(&mut self, _: u16, power: f64) {
+        self.elsewhere(power);
+    }
+
+    fn absorb(&mut self, _: u16, power: f64) {
+        self.elsewhere(power);
+    }
+
+    fn lose(&mut self, _: Loss, _: u16, power: f64) {
+        self.elsewhere(power);
+    }
+
     fn doubt(&mut self, _: u16, _: f64) {}
 
     fn segments(&mut self, _: usize) {}
@@ -140,7 +155,8 @@ impl<F: Field, B: Fn(DVec3) -> Option<usize>> Detect<F> for Histogram<'_, B> {
     }
 }
 
-/// Mean power of a tree in each of `bins` bins of direction, a row per batch of `trees` trees.
+/// Mean power of a tree in each of `bins` bins of direction, and what left by no direction (guided sideways, absorbed,
+/// lost): a row per batch of `trees` trees.
 pub fn histogram(
     sample: &Sample,
     light: &Light,
@@ -155,10 +171,10 @@ pub fn histogram(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     let units: Vec<Unit> = batches.iter().flat_map(|&b| Unit::cut(b, trees)).collect();
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(batches.len());
-    let make = || Histogram { bin: &bin, power: vec![0.0; bins] };
+    let make = || Histogram { bin: &bin, power: vec![0.0; bins + 1] };
     run::<Stokes, _>(&kernel, light, &units, &pool, make, |unit, part| {
         if unit.first == 0 {
-            rows.push(vec![0.0; bins]);
+            rows.push(vec![0.0; bins + 1]);
         }
         let row = rows.last_mut().unwrap();
         row.iter_mut().zip(part).for_each(|(sum, power)| *sum += power / f64::from(trees));
