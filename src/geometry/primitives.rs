@@ -50,6 +50,23 @@ pub enum Shape {
     Layer(Layer),
 }
 
+/// Keeps the first crossing only.
+struct First(Option<(Order, Crossing)>);
+
+impl Sink for First {
+    #[inline]
+    fn offer(&mut self, t: f64, surface: SurfaceId, crossing: Crossing) {
+        let order = Order { t, surface };
+        if self.0.is_none_or(|(first, _)| order < first) {
+            self.0 = Some((order, crossing));
+        }
+    }
+
+    fn horizon(&self) -> f64 {
+        f64::INFINITY
+    }
+}
+
 /// One list of equal shapes. What only matters once a shape is met lies apart, so that a sphere is half a cache
 /// line to a ray that passes it.
 #[derive(Clone, Debug)]
@@ -393,6 +410,21 @@ impl Primitives {
             (Kind::Cuboid, i) => self.propose_cuboid(query, i, prim, sink),
             (Kind::Layer, _) => {}
         }
+    }
+
+    /// Where a ray that starts on a convex primitive meets that primitive next, if it does.
+    #[inline]
+    pub fn other_side(&self, query: &Query, prim: PrimId) -> Option<(Order, Crossing)> {
+        let (kind, i) = self.locate(prim);
+        if kind == Kind::Sphere {
+            let Tag { surfaces: [surface], owner } = self.spheres.tags[i];
+            let t = self.spheres.shapes[i].other_root(&query.ray)?;
+            let crossing = Crossing { prim, owner, face: 0, enters: false };
+            return query.admits(t, surface).then_some((Order { t, surface }, crossing));
+        }
+        let mut first = First(None);
+        self.propose(query, prim, &mut first);
+        first.0
     }
 
     /// Offers the crossing with triangle `i`, whose id is `prim`.

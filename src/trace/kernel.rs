@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use super::inside::Solids;
 use super::media::Media;
 use super::stream::{Border, Flight};
-use crate::geometry::{Crossing, Nearest, Order, Query, Ray, SurfaceId};
+use crate::geometry::{Crossing, Order, Query, Ray, SurfaceId};
 use crate::intersect::Scene;
 use crate::light::Light;
 use crate::plan::Plan;
@@ -102,10 +102,7 @@ impl<'a> Kernel<'a> {
         if !self.solids.is_lonely(solid) || query.last == SurfaceId::NONE || primitives.owner(flight.at) != solid {
             return None;
         }
-        let mut nearest = Nearest::none(f64::INFINITY);
-        primitives.propose(query, flight.at, &mut nearest);
-        let order = nearest.order()?;
-        let crossing = nearest.crossings()[0];
+        let (order, crossing) = primitives.other_side(query, flight.at)?;
         if crossing.enters || self.shared[order.surface.0 as usize] {
             return None;
         }

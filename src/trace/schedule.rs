@@ -15,8 +15,8 @@ use crate::optics::field::Field;
 
 /// Trees of a unit: enough that its overhead does not show, few enough that threads stay busy to the end.
 const UNIT: u32 = 8192;
-/// Trees traced together: their rays fit the cache of a core.
-const STREAM: usize = 256;
+/// Trees traced together: their rays, with all they carry, fit the cache of a core.
+const STREAM: usize = 64;
 /// Units that may be finished before the one to be delivered next.
 const AHEAD: usize = 256;
 
