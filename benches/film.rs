@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use gonio_embree::optics::C64;
-use gonio_embree::optics::batch::{Film, Question, Solver};
+use gonio_embree::optics::batch::{Film, Question, Sides, Solver, Spectrum};
 use gonio_embree::optics::film::{Incidence, Layer, solve};
 
 /// High and low layers in turn; `k` absorbs in the high ones.
@@ -24,20 +24,20 @@ const WAVELENGTHS: usize = 20;
 /// Nanoseconds per wavelength (s and p, both sides): the best of five runs; one by one, and in lanes.
 fn time(layers: &[Layer], incidence: &Incidence, last: C64) -> [f64; 2] {
     let wavelengths: Vec<f64> = (0..WAVELENGTHS).map(|i| 0.4 + 0.016 * i as f64).collect();
-    let indices: Vec<_> = layers.iter().map(|l| [l.index; WAVELENGTHS]).collect();
+    let indices: Vec<Spectrum> = layers.iter().map(|l| [l.index; WAVELENGTHS].into_iter().collect()).collect();
     let films: Vec<Film> =
-        layers.iter().zip(&indices).map(|(l, n)| Film { indices: n, thickness: l.thickness }).collect();
-    let (incidences, last_indices) = ([*incidence; WAVELENGTHS], [last; WAVELENGTHS]);
-    let question = Question { incidences: &incidences, films: &films, last: &last_indices, wavelengths: &wavelengths };
+        layers.iter().zip(&indices).map(|(l, n)| Film { index: n, thickness: l.thickness }).collect();
+    let (incidences, last) = ([*incidence; WAVELENGTHS], [last; WAVELENGTHS].into_iter().collect());
+    let question = Question { incidences: &incidences, films: &films, last: &last, wavelengths: &wavelengths };
     let (mut solver, mut out) = (Solver::default(), Vec::new());
     [
         best(layers.len(), || {
             for &w in &wavelengths {
-                black_box(solve(incidence, black_box(layers), last, w));
+                black_box(solve(incidence, black_box(layers), last.at(0), w));
             }
         }),
         best(layers.len(), || {
-            solver.solve(black_box(&question), &mut out);
+            solver.solve(black_box(&question), Sides::Both, &mut out);
             black_box(&out);
         }),
     ]

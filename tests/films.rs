@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use gonio_embree::optics::batch::{Film, Question, Solver};
+use gonio_embree::optics::batch::{Film, Question, Sides, Solver, Spectrum};
 use gonio_embree::optics::film::{Amplitudes, Incidence, Layer, solve};
 use gonio_embree::optics::{C64, Pair};
 use serde_json::Value;
@@ -26,12 +26,13 @@ fn films_match_reference() {
 #[test]
 fn lanes_match_reference() {
     matches_reference(|incidence, layers, last, wavelength| {
-        let indices: Vec<[C64; 1]> = layers.iter().map(|l| [l.index]).collect();
+        let indices: Vec<Spectrum> = layers.iter().map(|l| [l.index].into_iter().collect()).collect();
         let films: Vec<Film> =
-            layers.iter().zip(&indices).map(|(l, n)| Film { indices: n, thickness: l.thickness }).collect();
+            layers.iter().zip(&indices).map(|(l, n)| Film { index: n, thickness: l.thickness }).collect();
         let mut out = Vec::new();
-        let (incidences, last, wavelengths) = (&[*incidence], &[last], &[wavelength]);
-        Solver::default().solve(&Question { incidences, films: &films, last, wavelengths }, &mut out);
+        let (incidences, last, wavelengths) = (&[*incidence], &[last].into_iter().collect(), &[wavelength]);
+        let question = Question { incidences, films: &films, last, wavelengths };
+        Solver::default().solve(&question, Sides::Both, &mut out);
         out[0]
     });
 }

@@ -1,26 +1,60 @@
-//! Film stacks at many wavelengths at once: the sweep of [`super::film`] in lanes.
+//! Film stacks at many wavelengths at once: the sweep of [`super::film`] in [`super::lanes`].
 //!
-//! What depends on a layer only (its phase, its wave number) is computed once for both polarizations and both
-//! directions. Loops over lanes are plain arithmetic on arrays, compiled for several instruction sets, of which
-//! the processor's best is chosen at run time; none of them fuses operations, so all give the same bits.
+//! What depends on a layer only (its wave number, its phase) is computed once for both polarizations and both
+//! directions. Layers in which all lanes travel keep real coefficients; where some are absorbed or evanescent all
+//! take complex ones, which for the others are the same numbers beside zeros.
 
 use std::f64::consts::TAU;
 
-use super::film::{Amplitudes, Ends, Fields, Incidence, bare, decaying, travelling};
-use super::sincos::{LARGEST, sin_cos};
+use pulp::Simd;
+
+use super::elementary::{exp_m1_negative, exp_split, sin_cos};
+use super::film::{self, Amplitudes, Incidence, Layer, bare};
+use super::lanes::{Complex, Lanes, Mask, WIDEST};
 use super::{C64, Pair};
 
-/// Wavelengths solved together.
-const LANES: usize = 4;
+/// Complex numbers over wavelength, as the solver reads them: parts apart, padded with copies of the last.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spectrum {
+    len: usize,
+    re: Vec<f64>,
+    im: Vec<f64>,
+}
 
-/// One number per lane.
-type Row = [f64; LANES];
+impl Spectrum {
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The number of a wavelength.
+    #[inline]
+    pub fn at(&self, i: usize) -> C64 {
+        C64::new(self.re[i], self.im[i])
+    }
+}
+
+impl FromIterator<C64> for Spectrum {
+    fn from_iter<T: IntoIterator<Item = C64>>(numbers: T) -> Self {
+        let mut all: Vec<C64> = numbers.into_iter().collect();
+        let len = all.len();
+        if let Some(&last) = all.last() {
+            all.resize(len.next_multiple_of(WIDEST), last);
+        }
+        Self { len, re: all.iter().map(|z| z.re).collect(), im: all.iter().map(|z| z.im).collect() }
+    }
+}
 
 /// A layer whose index depends on the wavelength.
 #[derive(Clone, Copy, Debug)]
 pub struct Film<'a> {
     /// Complex index at each wavelength.
-    pub indices: &'a [C64],
+    pub index: &'a Spectrum,
     /// Thickness, in the unit of the wavelengths.
     pub thickness: f64,
 }
@@ -32,260 +66,395 @@ pub struct Question<'a> {
     pub incidences: &'a [Incidence],
     /// Layers, from the side of the light.
     pub films: &'a [Film<'a>],
-    /// Index of the last medium at each wavelength.
-    pub last: &'a [C64],
+    /// Index of the last medium.
+    pub last: &'a Spectrum,
     /// Vacuum wavelengths.
     pub wavelengths: &'a [f64],
 }
 
+/// From which sides a stack is lit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sides {
+    /// From the first medium: the amplitudes from the last one remain 0.
+    Front,
+    /// From both.
+    Both,
+}
+
 /// Solves stacks; keeps its memory from one to the next.
-#[derive(Default)]
+#[derive(Debug)]
 pub struct Solver {
-    steps: Vec<Step>,
+    arch: pulp::Arch,
+    steps: Steps,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self { arch: pulp::Arch::new(), steps: Steps::default() }
+    }
 }
 
 impl Solver {
-    /// What [`super::film::solve`] gives, for each wavelength.
-    pub fn solve(&mut self, q: &Question<'_>, out: &mut Vec<Pair<Amplitudes>>) {
+    /// What [`film::solve`] gives, for each wavelength.
+    pub fn solve(&mut self, q: &Question<'_>, sides: Sides, out: &mut Vec<Pair<Amplitudes>>) {
         out.clear();
         if q.films.is_empty() {
-            out.extend(q.incidences.iter().zip(q.last).map(|(incidence, &last)| bare(incidence, last)));
+            out.extend(q.incidences.iter().enumerate().map(|(w, incidence)| bare(incidence, q.last.at(w))));
             return;
         }
-        let n = q.wavelengths.len();
-        for start in (0..n).step_by(LANES) {
-            let lanes = std::array::from_fn(|l| (start + l).min(n - 1));
-            let block = Block::new(q, lanes);
-            let fields = solve_block(&block, q.films, &mut self.steps);
-            for (l, &w) in lanes.iter().enumerate().take(n - start) {
-                let one = |[forward, back]: &[Waves; 2], ends: &Ends| {
-                    ends.amplitudes(&forward.lane(l, block.log_factor(&self.steps, l)), &back.lane(l, C64::ZERO))
-                };
-                let ends = |p| Ends::new(&q.incidences[w], q.last[w], p);
-                out.push(Pair { s: one(&fields.s, &ends(false)), p: one(&fields.p, &ends(true)) });
+        self.arch.dispatch(Work { q, sides, steps: &mut self.steps, out });
+        // Numbers beyond the range of the lanes have none in the exponents that are split off one by one.
+        for (w, both) in out.iter_mut().enumerate().filter(|(_, both)| !is_finite(both)) {
+            *both = one_by_one(q, w);
+        }
+    }
+}
+
+fn is_finite(both: &Pair<Amplitudes>) -> bool {
+    [&both.s, &both.p].iter().all(|a| [a.r, a.t, a.r_back, a.t_back].iter().all(|z| z.is_finite()))
+}
+
+#[cold]
+fn one_by_one(q: &Question<'_>, w: usize) -> Pair<Amplitudes> {
+    let layers: Vec<Layer> = q.films.iter().map(|f| Layer { index: f.index.at(w), thickness: f.thickness }).collect();
+    film::solve(&q.incidences[w], &layers, q.last.at(w), q.wavelengths[w])
+}
+
+struct Work<'a> {
+    q: &'a Question<'a>,
+    sides: Sides,
+    steps: &'a mut Steps,
+    out: &'a mut Vec<Pair<Amplitudes>>,
+}
+
+impl pulp::WithSimd for Work<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) {
+        let count = self.q.wavelengths.len();
+        for number in 0..count.div_ceil(S::F64_LANES) {
+            let mut block = Block::new(s, self.q, number);
+            block.prepare(self.q.films, self.steps);
+            let ends = [block.solve(self.steps, false, self.sides), block.solve(self.steps, true, self.sides)];
+            let rows = ends.map(|e| e.rows());
+            for lane in 0..S::F64_LANES.min(count - number * S::F64_LANES) {
+                let [s, p] = [0, 1].map(|i| amplitudes(&rows[i], lane));
+                self.out.push(Pair { s, p });
             }
         }
     }
 }
 
-/// The question at the wavelengths of the lanes.
-struct Block {
-    lanes: [usize; LANES],
-    incidences: [Incidence; LANES],
-    wavelengths: Row,
-    /// Admittances around the stack: before, behind.
-    outgoing: Pair<[[C64; LANES]; 2]>,
+fn amplitudes(rows: &[[f64; WIDEST]; 9], lane: usize) -> Amplitudes {
+    let z = |i: usize| C64::new(rows[i][lane], rows[i + 1][lane]);
+    Amplitudes { r: z(0), t: z(2), r_back: z(4), t_back: z(6), flux_ratio: rows[8][lane] }
 }
 
-impl Block {
-    fn new(q: &Question<'_>, lanes: [usize; LANES]) -> Self {
-        let ends = |p| lanes.map(|w| Ends::new(&q.incidences[w], q.last[w], p));
-        let both = |p| [ends(p).map(|e| e.q0), ends(p).map(|e| e.qn)];
-        Self {
-            lanes,
-            incidences: lanes.map(|w| q.incidences[w]),
-            wavelengths: lanes.map(|w| q.wavelengths[w]),
-            outgoing: Pair { s: both(false), p: both(true) },
+/// What layers do to fields, U' = c U + b V, V' = c V + g U: rows of lanes, layer by layer.
+#[derive(Debug, Default)]
+struct Steps {
+    /// Whether c, ib and ig are real.
+    real: Vec<bool>,
+    /// c, then b and g for s, then for p; imaginary parts follow if there are any.
+    rows: Vec<f64>,
+}
+
+/// Rows kept for each layer.
+const ROWS: usize = 10;
+
+/// One block of wavelengths: what is known of them outside the stack.
+struct Block<S: Simd> {
+    s: S,
+    number: usize,
+    /// Index and normal wave number of the first medium.
+    n0: Lanes<S>,
+    kz0: Lanes<S>,
+    /// k_z² = (n − a)(n + a) + b: a form without cancellation.
+    a: Lanes<S>,
+    b: Lanes<S>,
+    per_wavelength: Lanes<S>,
+    /// Index and normal wave number of the last medium.
+    last: Complex<S>,
+    kzn: Complex<S>,
+    /// Sum of the decays and of the turns that complex steps leave out.
+    decay: Lanes<S>,
+    turns: Lanes<S>,
+}
+
+/// Normal wave number in a layer.
+struct Normal<S: Simd> {
+    squared: Complex<S>,
+    /// Where it is real and not 0.
+    travels: Mask<S>,
+}
+
+impl<S: Simd> Block<S> {
+    #[inline(always)]
+    fn new(s: S, q: &Question<'_>, number: usize) -> Self {
+        let mut rows = [[0.0; WIDEST]; 5];
+        for lane in 0..S::F64_LANES {
+            let w = (number * S::F64_LANES + lane).min(q.wavelengths.len() - 1);
+            let Incidence { index, kz, kx, grazing } = q.incidences[w];
+            let (a, b) = if grazing { (index, kz * kz) } else { (kx, 0.0) };
+            [index, kz, a, b, q.wavelengths[w]].into_iter().zip(&mut rows).for_each(|(x, row)| row[lane] = x);
         }
-    }
-
-    /// Logarithm of what the steps left out.
-    fn log_factor(&self, steps: &[Step], lane: usize) -> C64 {
-        let of = |s: &Step| if let Step::Complex(s) = s { s.log_factor[lane] } else { C64::ZERO };
-        steps.iter().map(of).sum()
-    }
-}
-
-/// How fields change through a layer: U' = c U + b V, V' = c V + g U.
-#[expect(clippy::large_enum_variant, reason = "one at a time, on the stack")]
-enum Step {
-    /// All lanes travel: c, ib and ig are real.
-    Real(RealStep),
-    Complex(ComplexStep),
-}
-
-struct RealStep {
-    c: Row,
-    /// b and g.
-    off: Pair<[Row; 2]>,
-}
-
-struct ComplexStep {
-    c: [Row; 2],
-    /// Real and imaginary parts of b and g.
-    off: Pair<[[Row; 2]; 2]>,
-    log_factor: [C64; LANES],
-}
-
-/// Fields of a wave that left the stack.
-#[derive(Clone, Copy)]
-struct Waves {
-    u: [Row; 2],
-    v: [Row; 2],
-    exponent: [i64; LANES],
-}
-
-impl Waves {
-    #[inline(always)]
-    fn outgoing(admittance: &[C64; LANES]) -> Self {
-        let v = [admittance.map(|q| q.re), admittance.map(|q| q.im)];
-        Self { u: [[1.0; LANES], [0.0; LANES]], v, exponent: [0; LANES] }
-    }
-
-    fn lane(&self, l: usize, log_factor: C64) -> Fields {
-        let at = |z: &[Row; 2]| C64::new(z[0][l], z[1][l]);
-        Fields { u: at(&self.u), v: at(&self.v), exponent: self.exponent[l] as i32, log_factor }
+        let [n0, kz0, a, b, wavelength] = rows.map(|row| Lanes::load(s, &row, 0));
+        let zero = n0.number(0.0);
+        let mut block = Self {
+            s,
+            number,
+            n0,
+            kz0,
+            a,
+            b,
+            per_wavelength: zero.number(1.0).over(wavelength),
+            last: Complex::load(s, &q.last.re, &q.last.im, number),
+            kzn: Complex::real(zero),
+            decay: zero,
+            turns: zero,
+        };
+        block.kzn = block.root(&block.normal(block.last));
+        block
     }
 
     #[inline(always)]
-    fn cross_real(&mut self, c: &Row, [b, g]: &[Row; 2]) {
-        for l in 0..LANES {
-            let (ur, ui, vr, vi) = (self.u[0][l], self.u[1][l], self.v[0][l], self.v[1][l]);
-            self.u[0][l] = ur * c[l] + vi * b[l];
-            self.u[1][l] = ui * c[l] - vr * b[l];
-            self.v[0][l] = vr * c[l] + ui * g[l];
-            self.v[1][l] = vi * c[l] - ur * g[l];
+    fn normal(&self, n: Complex<S>) -> Normal<S> {
+        let zero = n.re.number(0.0);
+        let (low, high) = (n.re - self.a, n.re + self.a);
+        let re = low * high - n.im * n.im + self.b;
+        let lossless = n.im.eq(zero);
+        let same = lossless.and(n.re.eq(self.n0));
+        let re = same.choose(self.kz0 * self.kz0, re);
+        Normal { squared: Complex { re, im: (low + high) * n.im }, travels: lossless.and(re.gt(zero)) }
+    }
+
+    /// The wave number that decays, or travels, away.
+    #[inline(always)]
+    fn root(&self, normal: &Normal<S>) -> Complex<S> {
+        let travelling = Complex::real(normal.squared.re.sqrt());
+        if normal.travels.all() {
+            return travelling;
         }
+        normal.travels.choose_complex(travelling, normal.squared.outgoing_root())
     }
 
+    /// Fills in the steps through all layers.
     #[inline(always)]
-    fn cross_complex(&mut self, c: &[Row; 2], [b, g]: &[[Row; 2]; 2]) {
-        for l in 0..LANES {
-            let (ur, ui, vr, vi) = (self.u[0][l], self.u[1][l], self.v[0][l], self.v[1][l]);
-            self.u[0][l] = (ur * c[0][l] - ui * c[1][l]) + (vr * b[0][l] - vi * b[1][l]);
-            self.u[1][l] = (ur * c[1][l] + ui * c[0][l]) + (vr * b[1][l] + vi * b[0][l]);
-            self.v[0][l] = (vr * c[0][l] - vi * c[1][l]) + (ur * g[0][l] - ui * g[1][l]);
-            self.v[1][l] = (vr * c[1][l] + vi * c[0][l]) + (ur * g[1][l] + ui * g[0][l]);
+    fn prepare(&mut self, films: &[Film<'_>], steps: &mut Steps) {
+        let stride = ROWS * S::F64_LANES;
+        steps.real.clear();
+        if steps.rows.len() < films.len() * stride {
+            steps.rows.resize(films.len() * stride, 0.0);
         }
-    }
-
-    /// Keeps the fields near 1 by exact powers of two.
-    #[inline(always)]
-    fn rescale(&mut self) {
-        for l in 0..LANES {
-            let larger = |a: f64, b: f64| if a.abs() > b.abs() { a } else { b };
-            let size = larger(larger(self.u[0][l], self.u[1][l]), larger(self.v[0][l], self.v[1][l]));
-            let exponent = ((size.to_bits() >> 52) & 0x7ff).clamp(1, 2045);
-            let factor = f64::from_bits((2046 - exponent) << 52);
-            for part in self.u.iter_mut().chain(&mut self.v) {
-                part[l] *= factor;
+        for (film, rows) in films.iter().zip(steps.rows.chunks_exact_mut(stride)) {
+            let n = Complex::load(self.s, &film.index.re, &film.index.im, self.number);
+            let normal = self.normal(n);
+            let length = self.per_wavelength * film.thickness;
+            let real = normal.travels.all();
+            steps.real.push(real);
+            if real {
+                real_step(n.re, normal.squared.re.sqrt(), length)
+                    .iter()
+                    .enumerate()
+                    .for_each(|(i, x)| x.store(rows, i));
+            } else {
+                let step = self.complex_step(n, &normal, length);
+                for (i, z) in step.iter().enumerate() {
+                    z.re.store(rows, i);
+                    z.im.store(rows, i + ROWS / 2);
+                }
             }
-            self.exponent[l] += exponent as i64 - 1023;
         }
     }
-}
 
-#[multiversion::multiversion(targets("x86_64+avx2"))]
-fn solve_block(block: &Block, films: &[Film<'_>], steps: &mut Vec<Step>) -> Pair<[Waves; 2]> {
-    steps.clear();
-    steps.extend(films.iter().map(|film| step(block, film)));
-    Pair {
-        s: sweep(steps, &block.outgoing.s, |r| &r.s, |c| &c.s),
-        p: sweep(steps, &block.outgoing.p, |r| &r.p, |c| &c.p),
-    }
-}
-
-/// Both sweeps at once: from the back to the front, and from the front to the back.
-#[inline(always)]
-fn sweep(
-    steps: &[Step],
-    [before, behind]: &[[C64; LANES]; 2],
-    real: impl Fn(&Pair<[Row; 2]>) -> &[Row; 2],
-    complex: impl Fn(&Pair<[[Row; 2]; 2]>) -> &[[Row; 2]; 2],
-) -> [Waves; 2] {
-    let (mut forward, mut back) = (Waves::outgoing(behind), Waves::outgoing(before));
-    let cross = |waves: &mut Waves, step: &Step| match step {
-        Step::Real(s) => waves.cross_real(&s.c, real(&s.off)),
-        Step::Complex(s) => waves.cross_complex(&s.c, complex(&s.off)),
-    };
-    for (i, (a, b)) in steps.iter().rev().zip(steps).enumerate() {
-        cross(&mut forward, a);
-        cross(&mut back, b);
-        if i % STEPS_PER_RESCALING == STEPS_PER_RESCALING - 1 {
-            forward.rescale();
-            back.rescale();
+    /// Any mixture of lanes.
+    #[inline(always)]
+    fn complex_step(&mut self, n: Complex<S>, normal: &Normal<S>, length: Lanes<S>) -> [Complex<S>; 5] {
+        let kz = self.root(normal);
+        let zero = length.number(0.0);
+        let (decay, turns) = (kz.im * length * TAU, meaningful(kz.re * length));
+        let whole = turns.round();
+        let (sin, cos) = sin_cos(reduced_phase(turns));
+        // e^{2iδ} − 1: exact for thin layers, −1 for thick ones.
+        let m = exp_m1_negative(decay * -2.0);
+        let half =
+            Complex { re: m * (cos * cos - sin * sin) * 0.5 - sin * sin, im: (m + length.number(1.0)) * sin * cos };
+        let standing = kz.norm_sqr().eq(zero);
+        let b = standing.choose_complex(Complex { re: zero, im: length * -TAU }, -half.over(kz));
+        let c = Complex { re: half.re + length.number(1.0), im: half.im };
+        let (square, g) = (n * n, -(half * kz));
+        let step = [c, b, g, b * square, g.over(square)];
+        let left_out = normal.travels.choose(zero, turns - whole);
+        let sum = self.turns + left_out;
+        self.turns = sum - sum.round();
+        self.decay = self.decay + decay;
+        if !normal.travels.any() {
+            return step;
         }
+        let real = real_step(n.re, normal.squared.re.sqrt(), length);
+        let as_complex = |i: usize| if i == 0 { Complex::real(real[0]) } else { Complex { re: zero, im: -real[i] } };
+        std::array::from_fn(|i| normal.travels.choose_complex(as_complex(i), step[i]))
     }
-    [forward, back]
+
+    /// Both directions, for one polarization.
+    #[inline(always)]
+    fn solve(&self, steps: &Steps, p: bool, sides: Sides) -> Solved<S> {
+        let first = Complex::real(self.n0);
+        let admittance = |n: Complex<S>, kz: Complex<S>| if p { kz.over(n * n) } else { kz };
+        let (q0, qn) = (admittance(first, Complex::real(self.kz0)), admittance(self.last, self.kzn));
+        let zero = Complex::real(self.n0.number(0.0));
+        let front = self.sweep(steps, Wave::outgoing(qn), p, true);
+        let denominator = q0 * front.u + front.v;
+        // Without the factor kz0, so that both directions have it.
+        let common = self.left_out(front.exponent).over(denominator);
+        let common = if p { common.over(first * self.last) } else { common };
+        let common = common + common;
+        let flux = if p { self.kzn.conj() * self.last * self.last } else { self.kzn };
+        let flux = if p { flux.re.over(self.last.norm_sqr()) } else { flux.re };
+        let mut out = Solved {
+            r: (q0 * front.u - front.v).over(denominator),
+            t: common.times(self.kz0),
+            r_back: zero,
+            t_back: zero,
+            flux_ratio: flux.max(zero.re).over(self.kz0),
+        };
+        if sides == Sides::Both {
+            let back = self.sweep(steps, Wave::outgoing(q0), p, false);
+            out.r_back = (qn * back.u - back.v).over(qn * back.u + back.v);
+            out.t_back = common * self.kzn;
+        }
+        out
+    }
+
+    /// e^{iδ} of the complex steps and the powers of two that were split off.
+    #[inline(always)]
+    fn left_out(&self, exponent: Lanes<S>) -> Complex<S> {
+        let (mantissa, twos) = exp_split(self.decay);
+        let (sin, cos) = sin_cos(self.turns * TAU);
+        let limit = |k: Lanes<S>| k.max(k.number(-1022.0)).min(k.number(1023.0)).power_of_two();
+        let total = twos - exponent;
+        let half = (total * 0.5).round();
+        Complex { re: cos, im: sin }.times(mantissa).times(limit(half)).times(limit(total - half))
+    }
+
+    /// Carries fields through all layers: from the back to the front, or the other way.
+    #[inline(always)]
+    fn sweep(&self, steps: &Steps, mut wave: Wave<S>, p: bool, backwards: bool) -> Wave<S> {
+        let stride = ROWS * S::F64_LANES;
+        let count = steps.real.len();
+        for i in 0..count {
+            let layer = if backwards { count - 1 - i } else { i };
+            let rows = &steps.rows[layer * stride..(layer + 1) * stride];
+            let first = if p { 3 } else { 1 };
+            let row = |i: usize| Lanes::load(self.s, rows, i);
+            if steps.real[layer] {
+                wave.cross_real(row(0), row(first), row(first + 1));
+            } else {
+                let z = |i: usize| Complex { re: row(i), im: row(i + ROWS / 2) };
+                wave.cross_complex(z(0), z(first), z(first + 1));
+            }
+            if i % STEPS_PER_RESCALING == STEPS_PER_RESCALING - 1 {
+                wave.rescale();
+            }
+        }
+        wave.rescale();
+        wave
+    }
 }
 
-/// No layer multiplies fields by more than about 2⁶⁴, nor divides them.
+/// Fields stay within 2^±100, but for what a few layers can change; stacks of others are solved one by one.
+const RESCALING: i32 = 200;
 const STEPS_PER_RESCALING: usize = 4;
 
+/// c, and ib, ig for s and p, of a layer in which light travels; `length` in wavelengths.
 #[inline(always)]
-fn step(block: &Block, film: &Film<'_>) -> Step {
-    let n = block.lanes.map(|w| film.indices[w]);
-    let mut kz_squared = [0.0; LANES];
-    let (mut travels, mut turns) = (true, [0.0; LANES]);
-    for l in 0..LANES {
-        let at = &block.incidences[l];
-        let squared = if at.grazing {
-            (n[l].re - at.index) * (n[l].re + at.index) + at.kz * at.kz
-        } else {
-            (n[l].re - at.kx) * (n[l].re + at.kx)
-        };
-        kz_squared[l] = if n[l].re == at.index { at.kz * at.kz } else { squared };
-        travels &= n[l].im == 0.0 && kz_squared[l] > 0.0;
-    }
-    let mut kz = [0.0; LANES];
-    for l in 0..LANES {
-        kz[l] = kz_squared[l].sqrt();
-        turns[l] = kz[l] * film.thickness / block.wavelengths[l];
-        travels &= turns[l] < MOST_TURNS;
-    }
-    if travels { Step::Real(real_step(&kz, &turns, &n.map(|n| n.re))) } else { complex_step(block, film, &n) }
+fn real_step<S: Simd>(n: Lanes<S>, kz: Lanes<S>, length: Lanes<S>) -> [Lanes<S>; 5] {
+    let (sin, cos) = sin_cos(reduced_phase(meaningful(kz * length)));
+    let square = n * n;
+    let (b, g) = (sin.over(kz), kz * sin);
+    [cos, b, g, b * square, g.over(square)]
 }
 
 /// Beyond, whole turns cannot be told from the last bits.
 const MOST_TURNS: f64 = 1e15;
 
+/// Turns of which something can be said, else none.
 #[inline(always)]
-fn real_step(kz: &Row, turns: &Row, n: &Row) -> RealStep {
-    let zero = [0.0; LANES];
-    let mut s = RealStep { c: zero, off: Pair { s: [zero; 2], p: [zero; 2] } };
-    for l in 0..LANES {
-        let (sin, cos) = sin_cos(reduced_phase(turns[l]));
-        let (b, g, n2) = (sin / kz[l], kz[l] * sin, n[l] * n[l]);
-        s.c[l] = cos;
-        (s.off.s[0][l], s.off.s[1][l]) = (b, g);
-        (s.off.p[0][l], s.off.p[1][l]) = (b * n2, g / n2);
-    }
-    s
+fn meaningful<S: Simd>(turns: Lanes<S>) -> Lanes<S> {
+    turns.number(MOST_TURNS).gt(turns).choose(turns, turns.number(0.0))
 }
 
-/// 2π·turns without whole turns where that helps, as for single wavelengths.
+/// 2π·turns. Whole turns are dropped only where that helps: below some 100 rad sine and cosine are exact enough, and the
+/// reduction would only add its own rounding.
 #[inline(always)]
-fn reduced_phase(turns: f64) -> f64 {
-    const { assert!(16.0 * TAU < LARGEST) };
-    const ROUND: f64 = 6_755_399_441_055_744.0;
-    let whole = (turns + ROUND) - ROUND;
-    TAU * if turns > 16.0 { turns - whole } else { turns }
+fn reduced_phase<S: Simd>(turns: Lanes<S>) -> Lanes<S> {
+    const MANY: f64 = 16.0;
+    turns.gt(turns.number(MANY)).choose(turns - turns.round(), turns) * TAU
 }
 
-/// Any mixture of lanes, one by one.
-#[inline(never)]
-fn complex_step(block: &Block, film: &Film<'_>, n: &[C64; LANES]) -> Step {
-    let zero = [[0.0; LANES]; 2];
-    let mut s = ComplexStep { c: zero, off: Pair { s: [zero; 2], p: [zero; 2] }, log_factor: [C64::ZERO; LANES] };
-    for l in 0..LANES {
-        let (c, b, g, log_factor) = coefficients(&block.incidences[l], n[l], film.thickness, block.wavelengths[l]);
-        let n2 = n[l] * n[l];
-        let set = |to: &mut [Row; 2], z: C64| (to[0][l], to[1][l]) = (z.re, z.im);
-        set(&mut s.c, c);
-        set(&mut s.off.s[0], b);
-        set(&mut s.off.s[1], g);
-        set(&mut s.off.p[0], b * n2);
-        set(&mut s.off.p[1], g / n2);
-        s.log_factor[l] = log_factor;
-    }
-    Step::Complex(s)
+/// Fields of a wave that left the stack, with the exponent of the power of two left out of them.
+#[derive(Clone, Copy)]
+struct Wave<S: Simd> {
+    u: Complex<S>,
+    v: Complex<S>,
+    exponent: Lanes<S>,
 }
 
-fn coefficients(incidence: &Incidence, n: C64, thickness: f64, wavelength: f64) -> (C64, C64, C64, C64) {
-    let kz = incidence.normal(n);
-    if kz.im != 0.0 {
-        return decaying(kz, thickness, wavelength);
+impl<S: Simd> Wave<S> {
+    #[inline(always)]
+    fn outgoing(admittance: Complex<S>) -> Self {
+        let one = admittance.re.number(1.0);
+        Self { u: Complex::real(one), v: admittance, exponent: one.number(0.0) }
     }
-    let (c, b, g) = travelling(kz.re, thickness, wavelength);
-    (C64::from(c), C64::new(0.0, -b), C64::new(0.0, -g), C64::ZERO)
+
+    /// b and g stand for −ib and −ig.
+    #[inline(always)]
+    fn cross_real(&mut self, c: Lanes<S>, b: Lanes<S>, g: Lanes<S>) {
+        let Self { u, v, .. } = *self;
+        self.u = Complex { re: u.re * c + v.im * b, im: u.im * c - v.re * b };
+        self.v = Complex { re: v.re * c + u.im * g, im: v.im * c - u.re * g };
+    }
+
+    #[inline(always)]
+    fn cross_complex(&mut self, c: Complex<S>, b: Complex<S>, g: Complex<S>) {
+        let Self { u, v, .. } = *self;
+        self.u = u * c + v * b;
+        self.v = v * c + u * g;
+    }
+
+    /// Keeps the fields within range by exact powers of two.
+    #[inline(always)]
+    fn rescale(&mut self) {
+        let size = self.u.re.abs().max(self.u.im.abs()).max(self.v.re.abs().max(self.v.im.abs()));
+        let [low, high] = [-RESCALING, RESCALING].map(|e| size.number(2f64.powi(e / 2)));
+        let (tiny, huge) = (low.gt(size), size.gt(high));
+        if tiny.or(huge).any() {
+            let pick = |of: fn(i32) -> f64| {
+                let [up, none, down] = [RESCALING, 0, -RESCALING].map(|e| size.number(of(e)));
+                tiny.choose(up, huge.choose(down, none))
+            };
+            let factor = pick(|e| 2f64.powi(e));
+            self.u = self.u.times(factor);
+            self.v = self.v.times(factor);
+            self.exponent = self.exponent - pick(f64::from);
+        }
+    }
+}
+
+/// [`Amplitudes`] in lanes.
+struct Solved<S: Simd> {
+    r: Complex<S>,
+    t: Complex<S>,
+    r_back: Complex<S>,
+    t_back: Complex<S>,
+    flux_ratio: Lanes<S>,
+}
+
+impl<S: Simd> Solved<S> {
+    #[inline(always)]
+    fn rows(&self) -> [[f64; WIDEST]; 9] {
+        let Self { r, t, r_back, t_back, flux_ratio } = self;
+        [r.re, r.im, t.re, t.im, r_back.re, r_back.im, t_back.re, t_back.im, *flux_ratio].map(|x| x.to_array())
+    }
 }

@@ -6,10 +6,11 @@
 //! grazing incidence.
 
 pub mod batch;
+pub mod elementary;
 pub mod field;
 pub mod film;
 pub mod fresnel;
-pub mod sincos;
+pub mod lanes;
 
 /// A complex number in double precision.
 pub type C64 = num_complex::Complex<f64>;
