@@ -8,7 +8,7 @@ use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelengths};
 use gonio_embree::media::Dispersion;
 use gonio_embree::optics::C64;
-use gonio_embree::plan::{Limits, Wanted};
+use gonio_embree::plan::{Limits, Options};
 use gonio_embree::sample::Sample;
 use gonio_embree::sample::description::{Description, Fill, Medium, Named, Patch};
 use gonio_embree::sample::generate::bricks::Bricks;
@@ -117,15 +117,14 @@ fn rate(case: &Case, backend: Backend, threads: usize) -> (f64, f64) {
         polarization: Polarization::Unpolarized,
         source: SourceMode::Band,
     };
-    let sample = Sample::new(&case.description, &light.wavelengths, light.coherence_length()).unwrap();
+    let sample = Sample::new(&case.description, &light.wavelengths, light.coherence()).unwrap();
     let settings = Settings {
         trees: case.trees,
         seed: 1,
         threads,
         backend,
         dome_level: 6,
-        limits: case.limits,
-        effects: Wanted::Auto,
+        options: Options { limits: case.limits, ..Options::default() },
     };
     let runs = (0..3).map(|_| {
         let outcome = measure(&sample, &light, &settings, |_| {}).unwrap();

@@ -24,16 +24,23 @@ const WAVELENGTHS: usize = 20;
 /// Nanoseconds per wavelength (s and p, both sides): the best of five runs; one by one, and in lanes.
 fn time(layers: &[Layer], incidence: &Incidence, last: C64) -> [f64; 2] {
     let wavelengths: Vec<f64> = (0..WAVELENGTHS).map(|i| 0.4 + 0.016 * i as f64).collect();
-    let indices: Vec<Spectrum> = layers.iter().map(|l| [l.index; WAVELENGTHS].into_iter().collect()).collect();
-    let films: Vec<Film> =
-        layers.iter().zip(&indices).map(|(l, n)| Film { index: n, thickness: l.thickness }).collect();
-    let (incidences, last) = ([*incidence; WAVELENGTHS], [last; WAVELENGTHS].into_iter().collect());
-    let question = Question { incidences: &incidences, films: &films, last: &last, wavelengths: &wavelengths };
+    // Each layer is a medium of its own, as in a sample of many media.
+    let indices = layers.iter().map(|l| l.index).chain([last]);
+    let media: Vec<Spectrum> = indices.map(|n| [n; WAVELENGTHS].into_iter().collect()).collect();
+    let film = |(medium, l): (usize, &Layer)| Film { medium, thickness: l.thickness };
+    let films: Vec<Film> = layers.iter().enumerate().map(film).collect();
+    let question = Question {
+        incidences: &[*incidence; WAVELENGTHS],
+        media: &media,
+        films: &films,
+        last: layers.len(),
+        wavelengths: &wavelengths,
+    };
     let (mut solver, mut out) = (Solver::default(), Vec::new());
     [
         best(layers.len(), || {
             for &w in &wavelengths {
-                black_box(solve(incidence, black_box(layers), last.at(0), w));
+                black_box(solve(incidence, black_box(layers), last, w));
             }
         }),
         best(layers.len(), || {

@@ -32,7 +32,7 @@
 //!     source: SourceMode::Line,
 //! };
 //! let description = Description::from_toml("assets/samples/morpho.toml".as_ref())?;
-//! let sample = Sample::new(&description, &light.wavelengths, light.coherence_length())?;
+//! let sample = Sample::new(&description, &light.wavelengths, light.coherence())?;
 //! let outcome = measure(&sample, &light, &Settings { trees: 1000, ..Settings::default() }, |_| {})?;
 //! let blue = outcome.bsdf.incidences[0].ledger.reflected[0];
 //! assert!(blue.value > 0.9);

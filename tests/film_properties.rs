@@ -185,14 +185,20 @@ fn like_the_twin(stack: Stack) -> Result<(), TestCaseError> {
 /// Stacks of one form side by side; wavelength and directions are the same.
 fn in_lanes(stacks: &[Stack]) -> Vec<Pair<Amplitudes>> {
     let stack = &stacks[0];
-    let indices: Vec<Spectrum> =
+    let mut media: Vec<Spectrum> =
         (0..stack.layers.len()).map(|i| stacks.iter().map(|s| s.layers[i].index).collect()).collect();
-    let films: Vec<Film> =
-        stack.layers.iter().zip(&indices).map(|(l, n)| Film { index: n, thickness: l.thickness }).collect();
+    media.push(stacks.iter().map(|s| C64::from(s.last)).collect());
+    let film = |(medium, l): (usize, &Layer)| Film { medium, thickness: l.thickness };
+    let films: Vec<Film> = stack.layers.iter().enumerate().map(film).collect();
     let incidences = vec![Incidence::from_cos(stack.first, stack.cos); stacks.len()];
     let wavelengths = vec![WAVELENGTH; stacks.len()];
-    let last = stacks.iter().map(|s| C64::from(s.last)).collect();
-    let question = Question { incidences: &incidences, films: &films, last: &last, wavelengths: &wavelengths };
+    let question = Question {
+        incidences: &incidences,
+        media: &media,
+        films: &films,
+        last: films.len(),
+        wavelengths: &wavelengths,
+    };
     let mut out = Vec::new();
     Solver::default().solve(&question, Sides::Both, &mut out);
     out

@@ -26,12 +26,13 @@ fn films_match_reference() {
 #[test]
 fn lanes_match_reference() {
     matches_reference(|incidence, layers, last, wavelength| {
-        let indices: Vec<Spectrum> = layers.iter().map(|l| [l.index].into_iter().collect()).collect();
-        let films: Vec<Film> =
-            layers.iter().zip(&indices).map(|(l, n)| Film { index: n, thickness: l.thickness }).collect();
+        let indices = layers.iter().map(|l| l.index).chain([last]);
+        let media: Vec<Spectrum> = indices.map(|n| [n].into_iter().collect()).collect();
+        let film = |(medium, l): (usize, &Layer)| Film { medium, thickness: l.thickness };
+        let films: Vec<Film> = layers.iter().enumerate().map(film).collect();
         let mut out = Vec::new();
-        let (incidences, last, wavelengths) = (&[*incidence], &[last].into_iter().collect(), &[wavelength]);
-        let question = Question { incidences, films: &films, last, wavelengths };
+        let (incidences, wavelengths) = (&[*incidence], &[wavelength]);
+        let question = Question { incidences, media: &media, films: &films, last: layers.len(), wavelengths };
         Solver::default().solve(&question, Sides::Both, &mut out);
         out[0]
     });

@@ -11,7 +11,7 @@ use gonio_embree::bsdf::{Ledger, Scattering};
 use gonio_embree::experiment::{Settings, measure};
 use gonio_embree::light::Polarization;
 use gonio_embree::optics::C64;
-use gonio_embree::plan::Limits;
+use gonio_embree::plan::{Limits, Options};
 use gonio_embree::sample::description::{Fibre, Fill, Shape};
 use gonio_embree::sample::generate::bricks::Bricks;
 use gonio_embree::sample::generate::packing::Packing;
@@ -145,12 +145,16 @@ fn films_and_mixtures_conserve_energy() {
 fn guided_light_leaves_through_the_side() {
     let limits = Limits { walk: 3.0, ..Limits::default() };
     let mut side: f64 = 0.0;
-    ledgers(&everything(), &Settings { limits, ..settings(1000) }, |_, l| {
-        for i in 0..NM.len() {
-            assert!((sum(l, i) - 1.0).abs() < ROUNDING && lost(l, i) == 0.0, "{l:?}");
-            side = side.max(l.side[i].value);
-        }
-    });
+    ledgers(
+        &everything(),
+        &Settings { options: Options { limits, ..Options::default() }, ..settings(1000) },
+        |_, l| {
+            for i in 0..NM.len() {
+                assert!((sum(l, i) - 1.0).abs() < ROUNDING && lost(l, i) == 0.0, "{l:?}");
+                side = side.max(l.side[i].value);
+            }
+        },
+    );
     assert!(side > 0.01, "{side}");
 }
 
@@ -159,7 +163,7 @@ fn guided_light_leaves_through_the_side() {
 fn light_cut_off_is_counted() {
     let limits = Limits { depth: 2, ..Limits::default() };
     let mut cut: f64 = 0.0;
-    ledgers(&everything(), &Settings { limits, ..settings(500) }, |_, l| {
+    ledgers(&everything(), &Settings { options: Options { limits, ..Options::default() }, ..settings(500) }, |_, l| {
         for i in 0..NM.len() {
             assert!((sum(l, i) - 1.0).abs() < ROUNDING, "{l:?}");
             cut = cut.max(l.lost_depth[i].value);

@@ -45,6 +45,8 @@ pub struct Ledger {
     pub undeflected: Vec<Estimate>,
     /// Met faces so narrow that ray optics is in doubt; contained in the others.
     pub doubtful: Vec<Estimate>,
+    /// Met films so near to an edge that light in them would get there; contained in the others.
+    pub edge: Vec<Estimate>,
     /// Lost because media contradicted themselves.
     pub lost_medium: Vec<Estimate>,
     /// Lost beyond the depth limit.
@@ -55,7 +57,7 @@ pub struct Ledger {
 
 impl Ledger {
     /// Names and entries, in a fixed order.
-    pub fn entries(&self) -> [(&'static str, &Vec<Estimate>); 10] {
+    pub fn entries(&self) -> [(&'static str, &Vec<Estimate>); 11] {
         [
             ("reflected", &self.reflected),
             ("transmitted", &self.transmitted),
@@ -64,6 +66,7 @@ impl Ledger {
             ("specular", &self.specular),
             ("undeflected", &self.undeflected),
             ("small_feature_flux", &self.doubtful),
+            ("edge_flux", &self.edge),
             ("lost_medium", &self.lost_medium),
             ("lost_depth", &self.lost_depth),
             ("lost_numeric", &self.lost_numeric),
@@ -71,7 +74,7 @@ impl Ledger {
     }
 
     /// The same, to be changed.
-    pub fn entries_mut(&mut self) -> [(&'static str, &mut Vec<Estimate>); 10] {
+    pub fn entries_mut(&mut self) -> [(&'static str, &mut Vec<Estimate>); 11] {
         [
             ("reflected", &mut self.reflected),
             ("transmitted", &mut self.transmitted),
@@ -80,6 +83,7 @@ impl Ledger {
             ("specular", &mut self.specular),
             ("undeflected", &mut self.undeflected),
             ("small_feature_flux", &mut self.doubtful),
+            ("edge_flux", &mut self.edge),
             ("lost_medium", &mut self.lost_medium),
             ("lost_depth", &mut self.lost_depth),
             ("lost_numeric", &mut self.lost_numeric),

@@ -9,7 +9,7 @@ use gonio_embree::experiment::{Origin, Outcome, Settings, measure};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelengths};
 use gonio_embree::output::{Measured, atomic, netcdf, sha256_of_files, summary, table};
-use gonio_embree::plan::{Limits, Wanted};
+use gonio_embree::plan::{self, Edges, Limits, Probe, Wanted};
 use gonio_embree::plot;
 use gonio_embree::sample::description::Sides;
 use gonio_embree::sample::{Description, Sample, obj};
@@ -64,6 +64,12 @@ pub struct Options {
     /// Effects to simulate: auto (those that can matter) or all
     #[arg(long, default_value = "auto", help_heading = "Work")]
     effects: Wanted,
+    /// Along what films are searched: normal, or refracted (as the paper does)
+    #[arg(long, default_value = "normal", value_name = "HOW", help_heading = "Work")]
+    probe: Probe,
+    /// Films near the edge of a layer: column (as if it had no end), or reject (no film there)
+    #[arg(long, default_value = "column", value_name = "HOW", help_heading = "Work")]
+    edges: Edges,
     /// Finest level of the geodesic dome; its facets are 63°/2^level wide
     #[arg(long, default_value_t = 5, value_name = "LEVEL", help_heading = "Work",
           value_parser = clap::value_parser!(u8).range(1..=i64::from(FINEST_LEVEL)))]
@@ -100,8 +106,8 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<(), Failure> {
     let light = options.light()?;
     let description = options.description()?;
-    let sample = Sample::new(&description, &light.wavelengths, light.coherence_length())
-        .map_err(|e| Failure::Input(e.to_string()))?;
+    let sample =
+        Sample::new(&description, &light.wavelengths, light.coherence()).map_err(|e| Failure::Input(e.to_string()))?;
     let origin = options.origin(&description)?;
     let output = options.output_path();
     let picture = output.with_extension("svg");
@@ -192,8 +198,12 @@ impl Options {
             threads: self.threads.map_or(default.threads, usize::from),
             backend: self.backend,
             dome_level: self.dome_level,
-            limits: Limits { depth: self.depth, ..default.limits },
-            effects: self.effects,
+            options: plan::Options {
+                limits: Limits { depth: self.depth, ..Limits::default() },
+                wanted: self.effects,
+                probe: self.probe,
+                edges: self.edges,
+            },
         }
     }
 
@@ -233,6 +243,8 @@ impl Options {
         add("source-mode", &self.source_mode);
         add("trees", &self.trees);
         add("effects", &self.effects);
+        add("probe", &self.probe);
+        add("edges", &self.edges);
         add("dome-level", &self.dome_level);
         add("depth", &self.depth);
         add("backend", &self.backend);

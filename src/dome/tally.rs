@@ -42,6 +42,8 @@ pub struct Tally {
     pub undeflected: Vec<f64>,
     /// Met faces so narrow that ray optics is in doubt.
     pub doubtful: Vec<f64>,
+    /// Met films near to their edges.
+    pub edge: Vec<f64>,
     /// Facets hit, ascending, with the trees that hit them.
     facets: Vec<(u32, u32)>,
     /// Their power: one row of lanes per facet.
@@ -62,6 +64,7 @@ impl Tally {
             specular: zero(),
             undeflected: zero(),
             doubtful: zero(),
+            edge: zero(),
             ..Self::default()
         }
     }
@@ -85,7 +88,7 @@ impl Tally {
     }
 
     /// Number of entries of the ledger, deltas included.
-    pub const TERMS: usize = 10;
+    pub const TERMS: usize = 11;
 
     /// An entry of the ledger, per lane.
     pub fn term(&self, i: usize) -> &[f64] {
@@ -97,7 +100,8 @@ impl Tally {
             4 => &self.specular,
             5 => &self.undeflected,
             6 => &self.doubtful,
-            _ => &self.lost[i - 7],
+            7 => &self.edge,
+            _ => &self.lost[i - 8],
         }
     }
 
@@ -110,7 +114,8 @@ impl Tally {
             4 => &mut self.specular,
             5 => &mut self.undeflected,
             6 => &mut self.doubtful,
-            _ => &mut self.lost[i - 7],
+            7 => &mut self.edge,
+            _ => &mut self.lost[i - 8],
         }
     }
 
@@ -240,6 +245,10 @@ impl<F: Field> Recorder<F> for Detector<'_> {
 
     fn doubt(&mut self, lane: u16, power: f64) {
         self.tally.doubtful[usize::from(lane)] += power;
+    }
+
+    fn edge(&mut self, lane: u16, power: f64) {
+        self.tally.edge[usize::from(lane)] += power;
     }
 
     fn segments(&mut self, count: usize) {

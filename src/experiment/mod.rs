@@ -13,7 +13,7 @@ use crate::intersect::choose::{Backend, BackendError};
 use crate::light::{Incidence, Light};
 use crate::optics::field::{Field, Jones, Stokes};
 use crate::optics::fresnel;
-use crate::plan::{Limits, Plan, State, Wanted};
+use crate::plan::{self, Plan, State};
 use crate::sample::Sample;
 use crate::trace::{Batch, Kernel, Stacks, Unit, run};
 
@@ -35,10 +35,8 @@ pub struct Settings {
     pub backend: Backend,
     /// Finest level of the dome.
     pub dome_level: u8,
-    /// How far rays are followed.
-    pub limits: Limits,
-    /// Which effects are simulated.
-    pub effects: Wanted,
+    /// What is simulated.
+    pub options: plan::Options,
 }
 
 impl Default for Settings {
@@ -50,8 +48,7 @@ impl Default for Settings {
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             backend: Backend::auto(),
             dome_level: 5,
-            limits: Limits::default(),
-            effects: Wanted::Auto,
+            options: plan::Options::default(),
         }
     }
 }
@@ -96,7 +93,7 @@ pub fn measure(
 ) -> Result<Outcome, BackendError> {
     let start = Instant::now();
     let scene = Scene::new(sample.primitives.clone(), sample.domain, settings.backend)?;
-    let plan = Plan::new(sample, light, settings.limits, settings.effects);
+    let plan = Plan::new(sample, light, &settings.options);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(settings.threads)
         .build()
@@ -104,12 +101,13 @@ pub fn measure(
     let kernel = Kernel::new(sample, &scene, &plan, light);
     let tracing = Instant::now();
     let mut gather = Gather::new(light, &plan, settings, start, watch);
-    let stacks = match plan.state {
+    match plan.state {
         State::Stokes => gather.run::<Stokes>(sample, light, settings, &kernel, &pool),
         State::Jones => gather.run::<Jones>(sample, light, settings, &kernel, &pool),
-    };
+    }
     let tracing_seconds = tracing.elapsed().as_secs_f64();
     let bsdf = Bsdf::new(light, &gather.measurements, &plan, &Rule::default());
+    let stacks = gather.stacks;
     Ok(Outcome { bsdf, plan, stacks, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
 }
 
@@ -117,6 +115,7 @@ pub fn measure(
 struct Gather<W> {
     measurements: Vec<Measurement>,
     batch: Tally,
+    stacks: Stacks,
     lanes: usize,
     trees: u64,
     progress: Progress,
@@ -132,6 +131,7 @@ impl<W: FnMut(Progress)> Gather<W> {
         Self {
             measurements: light.incidences.iter().map(measurement).collect(),
             batch: Tally::new(lanes),
+            stacks: Stacks::default(),
             lanes,
             trees: settings.trees,
             progress: Progress { done: 0, total, incidences: 0, seconds: 0.0 },
@@ -147,15 +147,16 @@ impl<W: FnMut(Progress)> Gather<W> {
         settings: &Settings,
         kernel: &Kernel<'_>,
         pool: &rayon::ThreadPool,
-    ) -> Stacks {
+    ) {
         let locator = Locator::new(settings.dome_level);
         let deltas: Vec<Delta> = light.incidences.iter().map(|i| delta(sample, kernel.plan(), i)).collect();
         let units: Vec<Unit> = units(light, settings).collect();
         let make = || Detector::new(&locator, kernel.lanes(), &deltas);
-        run::<F, _>(kernel, light, &units, pool, make, |unit, tally| {
+        run::<F, _>(kernel, light, &units, pool, make, |unit, tally, stacks| {
+            self.stacks.merge(&stacks);
             self.deliver(unit, &tally);
             true
-        })
+        });
     }
 
     fn deliver(&mut self, unit: &Unit, tally: &Tally) {

@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use super::{Outcome, Settings};
+use crate::bsdf::Ledger;
+use crate::dome::Estimate;
 use crate::light::Light;
 use crate::output::{EffectUsed, Measured, Provenance, StackHits, UsedBackend, Validity};
 use crate::sample::Sample;
-use crate::trace::Stacks;
+use crate::trace::{Met, Stacks};
 
 /// Where a sample came from, and by which command it was measured.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,19 +21,23 @@ pub struct Origin {
     pub sha256: String,
 }
 
-/// Media of a stack that are listed by name.
-const MEDIA_LISTED: usize = 24;
+/// Layers of a stack that are listed.
+const LAYERS_LISTED: usize = 64;
 
 impl Outcome {
     /// The result with its provenance.
     pub fn into_measured(self, sample: &Sample, light: &Light, settings: &Settings, origin: Origin) -> Measured {
         let Outcome { bsdf, plan, stacks, .. } = self;
-        let doubtful = bsdf.incidences.iter().flat_map(|s| &s.ledger.doubtful);
-        let smallest = plan.features.smallest().min(stacks.thinnest);
+        let most = |entry: fn(&Ledger) -> &Vec<Estimate>| {
+            bsdf.incidences.iter().flat_map(|s| entry(&s.ledger)).map(|e| e.value).fold(0.0, f64::max)
+        };
+        let smallest = plan.features.smallest().min(stacks.thinnest());
+        let trees: u64 = bsdf.incidences.iter().map(|s| s.trees).sum();
         let validity = Validity {
-            // To a femtometre: what lies beyond is rounding.
-            smallest_feature_um: smallest.is_finite().then(|| (smallest * 1e9).round() / 1e9),
-            small_feature_flux: doubtful.map(|e| e.value).fold(0.0, f64::max),
+            smallest_feature_um: smallest.is_finite().then(|| rounded(smallest)),
+            small_feature_flux: most(|l| &l.doubtful),
+            edge_flux: most(|l| &l.edge),
+            edges: plan.films.edges.to_string(),
         };
         let effect =
             |e: crate::plan::Effect| EffectUsed { name: e.name.into(), on: e.on, reason: e.reason, bound: e.bound };
@@ -46,18 +52,28 @@ impl Outcome {
             backend: UsedBackend { name: settings.backend.name().into(), version: settings.backend.version() },
             effects: plan.effects.into_iter().map(effect).collect(),
             validity,
-            stacks: stack_hits(sample, &stacks),
+            stacks: stack_hits(sample, &stacks, trees),
         };
         Measured { bsdf, provenance }
     }
 }
 
-fn stack_hits(sample: &Sample, stacks: &Stacks) -> Vec<StackHits> {
+/// To a femtometre: what lies beyond is rounding.
+fn rounded(um: f64) -> f64 {
+    (um * 1e9).round() / 1e9
+}
+
+/// Stacks, those that most of the light meets first.
+fn stack_hits(sample: &Sample, stacks: &Stacks, trees: u64) -> Vec<StackHits> {
     let name = |&medium: &u16| sample.media[usize::from(medium)].name.clone();
-    let hits = |(media, &hits): (&Vec<u16>, &u64)| StackHits {
+    let hits = |(media, met): (&[u16], &Met)| StackHits {
         layers: media.len(),
-        media: media.iter().take(MEDIA_LISTED).map(name).collect(),
-        hits,
+        media: media.iter().take(LAYERS_LISTED).map(name).collect(),
+        thickness_um: met.thickness.iter().take(LAYERS_LISTED).map(|t| [rounded(t.0), rounded(t.1)]).collect(),
+        hits: met.hits,
+        flux_share: met.power / trees as f64,
     };
-    stacks.hits.iter().map(hits).collect()
+    let mut all: Vec<StackHits> = stacks.iter().map(hits).collect();
+    all.sort_by(|a, b| b.flux_share.total_cmp(&a.flux_share));
+    all
 }

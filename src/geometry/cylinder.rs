@@ -95,6 +95,17 @@ impl Cylinder {
         (x / self.radii[0] * self.u + y / self.radii[1] * self.v()).normalize()
     }
 
+    /// Whether its cross-section is a circle.
+    pub fn is_round(&self) -> bool {
+        self.radii[0] == self.radii[1]
+    }
+
+    /// Curvature of the cross-section at `p` on the mantle, 1/µm: ab/(a² sin² + b² cos²)^{3/2}.
+    pub fn curvature(&self, p: DVec3) -> f64 {
+        let ([cos, sin], [a, b]) = (self.across(p - self.from), self.radii);
+        a * b / (a * sin).hypot(b * cos).powi(3)
+    }
+
     /// `p`, known to lie on the mantle up to rounding, moved onto it.
     #[inline]
     pub fn snap_to_mantle(&self, p: DVec3) -> DVec3 {

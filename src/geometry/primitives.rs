@@ -591,6 +591,41 @@ impl Primitives {
         }
     }
 
+    /// Largest curvature of a face at `p` on it, 1/µm; 0 where it is flat.
+    pub fn curvature(&self, prim: PrimId, face: u8, p: DVec3) -> f64 {
+        match self.locate(prim) {
+            (Kind::Sphere, i) => 1.0 / self.spheres.shapes[i].radius,
+            (Kind::Cylinder, i) if face == Cylinder::MANTLE => self.cylinders.shapes[i].curvature(p),
+            _ => 0.0,
+        }
+    }
+
+    /// Distance of two faces that are parallel to the last bit: in planes of one normal, of spheres of one centre, or of
+    /// round mantles of one axis, µm.
+    pub fn separation(&self, a: Crossing, b: Crossing) -> Option<f64> {
+        let [p, q] = [a, b].map(|c| self.plane(self.faces(c.prim)[usize::from(c.face)]));
+        if let (Some(p), Some(q)) = (p, q) {
+            return match q.normal {
+                n if n == p.normal => Some((p.offset - q.offset).abs()),
+                n if n == -p.normal => Some((p.offset + q.offset).abs()),
+                _ => None,
+            };
+        }
+        match (self.shape(a.prim), self.shape(b.prim)) {
+            (Shape::Sphere(s), Shape::Sphere(t)) if s.center == t.center => Some((s.radius - t.radius).abs()),
+            (Shape::Cylinder(s), Shape::Cylinder(t))
+                if p.is_none()
+                    && q.is_none()
+                    && s.is_round()
+                    && t.is_round()
+                    && (s.from, s.axis) == (t.from, t.axis) =>
+            {
+                Some((s.radii[0] - t.radii[0]).abs())
+            }
+            _ => None,
+        }
+    }
+
     /// The stored plane normal of a cylinder's end, turned outwards.
     fn outward_end(&self, i: usize, face: u8, outward: DVec3) -> DVec3 {
         let plane = &self.planes[self.cylinders.tags[i].surfaces[usize::from(face)].0 as usize - 1];

@@ -51,10 +51,10 @@ impl FromIterator<C64> for Spectrum {
 }
 
 /// A layer whose index depends on the wavelength.
-#[derive(Clone, Copy, Debug)]
-pub struct Film<'a> {
-    /// Complex index at each wavelength.
-    pub index: &'a Spectrum,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// Number of its medium in [`Question::media`].
+    pub medium: usize,
     /// Thickness, in the unit of the wavelengths.
     pub thickness: f64,
 }
@@ -64,12 +64,20 @@ pub struct Film<'a> {
 pub struct Question<'a> {
     /// Direction of the light in the first medium, at each wavelength.
     pub incidences: &'a [Incidence],
+    /// Complex index of every medium.
+    pub media: &'a [Spectrum],
     /// Layers, from the side of the light.
-    pub films: &'a [Film<'a>],
-    /// Index of the last medium.
-    pub last: &'a Spectrum,
+    pub films: &'a [Film],
+    /// Number of the last medium.
+    pub last: usize,
     /// Vacuum wavelengths.
     pub wavelengths: &'a [f64],
+}
+
+impl Question<'_> {
+    fn last(&self) -> &Spectrum {
+        &self.media[self.last]
+    }
 }
 
 /// From which sides a stack is lit.
@@ -99,7 +107,7 @@ impl Solver {
     pub fn solve(&mut self, q: &Question<'_>, sides: Sides, out: &mut Vec<Pair<Amplitudes>>) {
         out.clear();
         if q.films.is_empty() {
-            out.extend(q.incidences.iter().enumerate().map(|(w, incidence)| bare(incidence, q.last.at(w))));
+            out.extend(q.incidences.iter().enumerate().map(|(w, incidence)| bare(incidence, q.last().at(w))));
             return;
         }
         self.arch.dispatch(Work { q, sides, steps: &mut self.steps, out });
@@ -116,8 +124,9 @@ fn is_finite(both: &Pair<Amplitudes>) -> bool {
 
 #[cold]
 fn one_by_one(q: &Question<'_>, w: usize) -> Pair<Amplitudes> {
-    let layers: Vec<Layer> = q.films.iter().map(|f| Layer { index: f.index.at(w), thickness: f.thickness }).collect();
-    film::solve(&q.incidences[w], &layers, q.last.at(w), q.wavelengths[w])
+    let layers: Vec<Layer> =
+        q.films.iter().map(|f| Layer { index: q.media[f.medium].at(w), thickness: f.thickness }).collect();
+    film::solve(&q.incidences[w], &layers, q.last().at(w), q.wavelengths[w])
 }
 
 struct Work<'a> {
@@ -135,7 +144,7 @@ impl pulp::WithSimd for Work<'_> {
         let count = self.q.wavelengths.len();
         for number in 0..count.div_ceil(S::F64_LANES) {
             let mut block = Block::new(s, self.q, number);
-            block.prepare(self.q.films, self.steps);
+            block.prepare(self.q, self.steps);
             let ends = [block.solve(self.steps, false, self.sides), block.solve(self.steps, true, self.sides)];
             let rows = ends.map(|e| e.rows());
             for lane in 0..S::F64_LANES.min(count - number * S::F64_LANES) {
@@ -209,7 +218,7 @@ impl<S: Simd> Block<S> {
             a,
             b,
             per_wavelength: zero.number(1.0).over(wavelength),
-            last: Complex::load(s, &q.last.re, &q.last.im, number),
+            last: Complex::load(s, &q.last().re, &q.last().im, number),
             kzn: Complex::real(zero),
             decay: zero,
             turns: zero,
@@ -241,14 +250,15 @@ impl<S: Simd> Block<S> {
 
     /// Fills in the steps through all layers.
     #[inline(always)]
-    fn prepare(&mut self, films: &[Film<'_>], steps: &mut Steps) {
+    fn prepare(&mut self, q: &Question<'_>, steps: &mut Steps) {
         let stride = ROWS * S::F64_LANES;
         steps.real.clear();
-        if steps.rows.len() < films.len() * stride {
-            steps.rows.resize(films.len() * stride, 0.0);
+        if steps.rows.len() < q.films.len() * stride {
+            steps.rows.resize(q.films.len() * stride, 0.0);
         }
-        for (film, rows) in films.iter().zip(steps.rows.chunks_exact_mut(stride)) {
-            let n = Complex::load(self.s, &film.index.re, &film.index.im, self.number);
+        for (film, rows) in q.films.iter().zip(steps.rows.chunks_exact_mut(stride)) {
+            let Spectrum { re, im, .. } = &q.media[film.medium];
+            let n = Complex::load(self.s, re, im, self.number);
             let normal = self.normal(n);
             let length = self.per_wavelength * film.thickness;
             let real = normal.travels.all();

@@ -52,6 +52,12 @@ impl Incidence {
         Self { index, kz: index * cos.max(GRAZING), kx: index * sin, grazing: cos * cos < 0.5 }
     }
 
+    /// Flux behind over flux in front, for electric fields of equal size: Re(n cos θ) (s) or Re(n cos θ*) (p) of the last
+    /// medium over n cos θ of the first. 0 if nothing travels behind.
+    pub fn flux_ratio(&self, last: C64, p: bool) -> f64 {
+        flux_ratio(self.kz, last, self.normal(last), p)
+    }
+
     /// Normal wave number k_z in a medium.
     pub(super) fn normal(&self, n: C64) -> C64 {
         if n == C64::new(self.index, 0.0) {

@@ -11,6 +11,7 @@ pub mod field;
 pub mod film;
 pub mod fresnel;
 pub mod lanes;
+pub mod table;
 
 /// A complex number in double precision.
 pub type C64 = num_complex::Complex<f64>;

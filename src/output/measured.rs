@@ -76,17 +76,25 @@ pub struct Validity {
     /// Largest share of the light, of all incidences and wavelengths, that met a face narrower than
     /// [`crate::plan::features::SMALL`] wavelengths outside of films.
     pub small_feature_flux: f64,
+    /// Largest share of the light that met a stack of films so near to its edge that light in it would get there.
+    pub edge_flux: f64,
+    /// What was done there: `column` (the stack counts as endless) or `reject` (it is no stack).
+    pub edges: String,
 }
 
 /// A stack of films that was met.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StackHits {
     /// Number of its layers.
     pub layers: usize,
     /// Their media, from the side of the light; long stacks are cut short.
     pub media: Vec<String>,
+    /// Least and greatest thickness of each of these layers, µm.
+    pub thickness_um: Vec<[f64; 2]>,
     /// How often.
     pub hits: u64,
+    /// Power that met it, as a share of the incident power, mean of all incidences and wavelengths.
+    pub flux_share: f64,
 }
 
 /// SHA-256 of the contents of `files`, one after the other, in hexadecimal digits.

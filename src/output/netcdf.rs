@@ -286,7 +286,12 @@ mod tests {
             sample_sha256: "00".into(),
             backend: UsedBackend { name: "obvhs".into(), version: "0.4".into() },
             effects: Vec::new(),
-            validity: Validity { smallest_feature_um: None, small_feature_flux: 0.1 },
+            validity: Validity {
+                smallest_feature_um: None,
+                small_feature_flux: 0.1,
+                edge_flux: 0.0,
+                edges: "column".into(),
+            },
             stacks: Vec::new(),
         };
         Measured {

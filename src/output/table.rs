@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::measured::{Measured, Validity};
+use super::measured::{Measured, StackHits, Validity};
 use crate::bsdf::{Ledger, Scattering};
 use crate::dome::Estimate;
 use crate::plan::features::SMALL;
@@ -26,7 +26,12 @@ fn columns(incidences: &[Scattering]) -> Vec<&'static str> {
     names
         .into_iter()
         .enumerate()
-        .filter(|&(i, name)| matches!(name, "reflected" | "transmitted") || name != "small_feature_flux" && any(i))
+        .filter(|&(i, name)| match name {
+            "reflected" | "transmitted" => true,
+            // Told of in the notes.
+            "small_feature_flux" | "edge_flux" => false,
+            _ => any(i),
+        })
         .map(|(_, name)| name)
         .collect()
 }
@@ -80,16 +85,7 @@ fn notes(out: &mut String, measured: &Measured) {
     let p = &measured.provenance;
     let list = |on: bool| p.effects.iter().filter(|e| e.on == on).map(|e| &e.name[..]).collect::<Vec<_>>().join(", ");
     let _ = writeln!(out, "simulated: {}; not needed: {}", or_none(list(true)), or_none(list(false)));
-    if let Some(stack) = p.stacks.iter().max_by_key(|s| s.hits) {
-        let hits: u64 = p.stacks.iter().map(|s| s.hits).sum();
-        let _ = writeln!(
-            out,
-            "films: {hits} stacks solved, of {} kinds; most often {} layers ({})",
-            p.stacks.len(),
-            stack.layers,
-            shortened(&stack.media)
-        );
-    }
+    stacks(out, &p.stacks);
     let loss = measured.bsdf.largest_loss();
     if loss > 0.0 {
         let _ = writeln!(out, "energy lost: {loss:.1e} at most");
@@ -97,20 +93,66 @@ fn notes(out: &mut String, measured: &Measured) {
     validity(out, &p.validity);
 }
 
-/// Media that are listed.
-const LISTED: usize = 4;
+/// Stacks, and layers of them, that are listed.
+const STACKS_LISTED: usize = 5;
+const LAYERS_LISTED: usize = 4;
 
-fn shortened(media: &[String]) -> String {
-    let more = if media.len() > LISTED { ", ..." } else { "" };
-    media[..media.len().min(LISTED)].join(", ") + more
+fn stacks(out: &mut String, stacks: &[StackHits]) {
+    if stacks.is_empty() {
+        return;
+    }
+    let hits: u64 = stacks.iter().map(|s| s.hits).sum();
+    let _ =
+        writeln!(out, "films: {hits} stacks solved, of {}; by share of the light that met them:", kinds(stacks.len()));
+    for s in stacks.iter().take(STACKS_LISTED) {
+        let plural = if s.layers == 1 { "" } else { "s" };
+        let _ = writeln!(out, "{:>8.2} %  {} layer{plural}: {}", 100.0 * s.flux_share, s.layers, layers(s));
+    }
+    if stacks.len() > STACKS_LISTED {
+        let _ =
+            writeln!(out, "{:>10}  and {} more, in --json and in the result", "", kinds(stacks.len() - STACKS_LISTED));
+    }
+}
+
+fn kinds(n: usize) -> String {
+    format!("{n} kind{}", if n == 1 { "" } else { "s" })
+}
+
+/// Media with their thicknesses, from the side of the light.
+fn layers(stack: &StackHits) -> String {
+    let one = |(medium, [least, most]): (&String, &[f64; 2])| {
+        // To what a film could feel.
+        if most - least < 1e-6 {
+            format!("{medium} {}", show_length(*least))
+        } else {
+            format!("{medium} {} to {}", show_length(*least), show_length(*most))
+        }
+    };
+    let listed: Vec<String> = stack.media.iter().zip(&stack.thickness_um).take(LAYERS_LISTED).map(one).collect();
+    listed.join(", ") + if stack.layers > LAYERS_LISTED { ", ..." } else { "" }
 }
 
 fn or_none(list: String) -> String {
     if list.is_empty() { "nothing".into() } else { list }
 }
 
+/// Shares below this are not worth a line.
+const NEGLIGIBLE: f64 = 0.005;
+
 fn validity(out: &mut String, v: &Validity) {
-    if v.small_feature_flux < 0.005 {
+    if v.edge_flux >= NEGLIGIBLE {
+        let _ = writeln!(
+            out,
+            "films end near where up to {:.1} % of the light met them; there {}",
+            100.0 * v.edge_flux,
+            if v.edges == "reject" {
+                "none was taken (--edges reject)"
+            } else {
+                "they count as endless (--edges column)"
+            }
+        );
+    }
+    if v.small_feature_flux < NEGLIGIBLE {
         return;
     }
     let _ = writeln!(

@@ -1,6 +1,7 @@
 //! Which effects a sample and a light call for: immutable, printable, made before any ray is cast.
 
 pub mod features;
+pub mod films;
 pub mod stacks;
 
 use std::fmt;
@@ -9,6 +10,7 @@ use std::str::FromStr;
 use crate::light::Light;
 use crate::sample::{Matter, MediumId, Sample};
 use features::Features;
+pub use films::{Edges, FilmRules, Probe};
 use stacks::Marks;
 
 /// An effect with the reason why it is simulated, or not.
@@ -34,13 +36,31 @@ pub struct Limits {
     pub walk: f64,
     /// At how many interfaces of a tree both branches are followed.
     pub splits: u32,
+    /// A branch of less power than this is not followed after a split; its power counts as lost beyond the depth.
+    pub faintest: f64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { depth: 10_000, walk: 100.0, splits: 1 }
+        Self { depth: 10_000, walk: 100.0, splits: 1, faintest: 0.0 }
     }
 }
+
+/// What the user decides about the simulation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// How far rays are followed.
+    pub limits: Limits,
+    /// Which effects are simulated.
+    pub wanted: Wanted,
+    /// Along what films are searched.
+    pub probe: Probe,
+    /// What is done at their edges.
+    pub edges: Edges,
+}
+
+/// Different curved faces of films for which tables are worth their while.
+const MOST_CURVED: usize = 64;
 
 /// Who decides which effects are simulated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -99,20 +119,21 @@ pub struct Plan {
     pub features: Features,
     /// What rays carry.
     pub state: State,
-    /// Difference of optical paths up to which films are coherent, µm.
-    pub coherence_length: f64,
+    /// How films are found.
+    pub films: FilmRules,
     /// How far rays are followed.
     pub limits: Limits,
 }
 
 impl Plan {
     /// Plans the simulation of `sample` under `light`.
-    pub fn new(sample: &Sample, light: &Light, limits: Limits, wanted: Wanted) -> Self {
+    pub fn new(sample: &Sample, light: &Light, options: &Options) -> Self {
+        let Options { limits, wanted, probe, edges } = *options;
         let shortest = light.wavelengths.nm()[0] / 1e3;
-        let coherence_length = light.coherence_length();
         let longest = light.wavelengths.nm()[light.wavelengths.len() - 1] / 1e3;
         let features = Features::new(&sample.primitives, longest);
         let marks = Marks::new(&sample.primitives, sample.cell.reach, shortest);
+        let films = FilmRules { probe, edges, coherence: light.coherence(), tables: marks.curved() <= MOST_CURVED };
         let count = light.wavelengths.len();
         let all = wanted == Wanted::All;
         let dispersion = dispersion(sample, all);
@@ -127,7 +148,7 @@ impl Plan {
         let phase = phase(all);
         let state = if phase.on { State::Jones } else { State::Stokes };
         let effects = vec![interference, polarization(), phase, dispersion, absorption];
-        Self { effects, lanes, lane_of, bundles, marks, features, state, coherence_length, limits }
+        Self { effects, lanes, lane_of, bundles, marks, features, state, films, limits }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Which faces have a nearly parallel neighbour: only rays that meet such a face look for films.
 
+use std::collections::BTreeSet;
+
 use glam::{DVec2, DVec3};
 
 use crate::geometry::{Aabb, Cuboid, Cylinder, Layer, Pairs, PrimId, Primitives, Shape, Sphere, SurfaceId};
@@ -14,13 +16,14 @@ const TILT: f64 = 1e-3;
 pub struct Marks {
     bits: Vec<u8>,
     any: bool,
+    curved: BTreeSet<u64>,
 }
 
 impl Marks {
     /// Finds all faces with a nearly parallel neighbour within `reach` µm along their normal. A superset:
     /// whether there is a film at a point is decided there. `wavelength` (µm) is the smallest spot that counts.
     pub fn new(primitives: &Primitives, reach: f64, wavelength: f64) -> Self {
-        let mut marks = Self { bits: vec![0; primitives.len()], any: false };
+        let mut marks = Self { bits: vec![0; primitives.len()], ..Self::default() };
         if reach > 0.0 {
             marks.mark_layers(primitives, reach);
             marks.mark_bounded(primitives, reach, wavelength);
@@ -37,6 +40,11 @@ impl Marks {
     /// Whether a film may begin anywhere.
     pub fn any(&self) -> bool {
         self.any
+    }
+
+    /// Number of radii of curved faces where a film may begin.
+    pub fn curved(&self) -> usize {
+        self.curved.len()
     }
 
     fn set(&mut self, prim: PrimId, face: u8) {
@@ -83,6 +91,7 @@ impl Marks {
             }
             if parallel {
                 self.set(face.prim, face.number);
+                self.curved.extend(face.radius().map(f64::to_bits));
             }
         }
     }
@@ -200,6 +209,15 @@ impl Face {
                     && self.flat_spot().max(other.flat_spot()) >= wavelength
                     && self.is_near(other, reach)
             }
+        }
+    }
+
+    /// The radius of a curved face (the first of a flattened one), µm.
+    fn radius(&self) -> Option<f64> {
+        match &self.form {
+            Form::Sphere(s) => Some(s.radius),
+            Form::Mantle(c) => Some(c.radii[0]),
+            _ => None,
         }
     }
 

@@ -10,8 +10,8 @@ use super::parts::Parts;
 use super::problem::Problems;
 use super::solid::Solid;
 use super::tiling::{Cell, Tiling};
-use crate::geometry::{Aabb, Primitives};
-use crate::light::Wavelengths;
+use crate::geometry::{Aabb, PrimId, Primitives};
+use crate::light::{Coherence, Wavelengths};
 
 /// A checked sample.
 #[derive(Clone, Debug)]
@@ -35,12 +35,12 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Checks and flattens a description for the wavelengths of the light. Waves are coherent over
-    /// `coherence_length` µm, which says how far stacks of films can reach.
+    /// Checks and flattens a description for the wavelengths of the light, whose coherence says how far stacks of films
+    /// can reach.
     ///
     /// # Errors
     /// Everything that is wrong.
-    pub fn new(description: &Description, wavelengths: &Wavelengths, coherence_length: f64) -> Result<Self, Problems> {
+    pub fn new(description: &Description, wavelengths: &Wavelengths, coherence: Coherence) -> Result<Self, Problems> {
         let mut problems = Problems::default();
         let mut media = MediaList::new(description, wavelengths);
         let above = media.resolve(&description.above, &mut problems);
@@ -59,7 +59,7 @@ impl Sample {
             )));
         }
         limits::sizes(&parts.shapes, &parts.solids).into_iter().for_each(|p| problems.push(p));
-        let cell = parts.cell(description, coherence_length, &mut problems);
+        let cell = parts.cell(description, coherence, &mut problems);
         problems.or(())?;
         // What is missing has been reported.
         let (Some(above), Some(below), Some(mut cell)) = (above, below, cell) else { return Err(Problems::default()) };
@@ -67,5 +67,13 @@ impl Sample {
         let domain = cell.domain(&primitives);
         let (media, solids, primitives) = (media.tables, parts.solids, Arc::new(primitives));
         Ok(Self { media, solids, above, below, cell, primitives, tiling, domain })
+    }
+
+    /// The repetition of a primitive that is `shift` periods away, if it is near enough to be there. Along an axis on which
+    /// it has no end it is its own copy.
+    pub fn copy(&self, prim: PrimId, shift: [i32; 2]) -> Option<PrimId> {
+        let size = self.primitives.bounds(prim).size();
+        let shift = [0, 1].map(|i| if size[i].is_finite() { shift[i] } else { 0 });
+        if shift == [0, 0] { Some(prim) } else { self.tiling.neighbour(prim, shift) }
     }
 }

@@ -11,6 +11,7 @@ use super::solid::{Base, Matter, Solid};
 use super::tiling::{Cell, Tiling};
 use super::{limits, lonely, overlap};
 use crate::geometry::{self, Aabb, Cuboid, Cylinder, Layer, Primitives, Sphere};
+use crate::light::Coherence;
 
 /// Solids with their shapes, in the user's coordinates.
 #[derive(Default)]
@@ -171,7 +172,7 @@ impl Parts {
     pub(super) fn cell(
         &self,
         description: &Description,
-        coherence_length: f64,
+        coherence: Coherence,
         problems: &mut Problems,
     ) -> Option<Cell> {
         let bodies = self.bounds();
@@ -194,9 +195,9 @@ impl Parts {
         if bottom > top {
             return None;
         }
-        let center = DVec3::new(center.x, center.y, 0.5 * (bottom + top));
+        let center = DVec3::new(center.x, center.y, middle((bottom, top)));
         // A stack reaches as far down as waves are coherent and the sample goes, its last interface included.
-        let reach = (0.5 * coherence_length).min(top - bottom + geometry::COINCIDENT);
+        let reach = (0.5 * coherence.none).min(top - bottom + geometry::COINCIDENT);
         Some(Cell::new(size, center, description.sides == Sides::Periodic, (bottom - center.z, top - center.z), reach))
     }
 }
@@ -211,6 +212,8 @@ impl Parts {
         for (shape, _) in &mut self.shapes {
             shape.translate(-cell.center);
         }
+        // From the coordinates that rays will see.
+        cell.heights = self.heights();
         self.check_repetition(description, cell)?;
         self.sort_by_place();
         overlap::problems(&self.shapes, &self.solids, cell).into_iter().collect::<Problems>().or(())?;
@@ -264,6 +267,14 @@ impl Parts {
         let mut solids: Vec<Option<Solid>> = std::mem::take(&mut self.solids).into_iter().map(Some).collect();
         self.solids = order.iter().filter_map(|&i| solids[i as usize].take()).collect();
     }
+}
+
+/// The middle of two heights, to a millionth of their distance: a number without the rounding that the ends of bodies have
+/// far from the origin, so that a moved sample becomes the same numbers when it is moved back.
+fn middle((bottom, top): (f64, f64)) -> f64 {
+    let step = 2f64.powi((top - bottom).log2().ceil() as i32 - 20);
+    let middle = 0.5 * (bottom + top);
+    if step > 0.0 { (middle / step).round() * step } else { middle }
 }
 
 /// 21 bits of each coordinate (0 to 1), interleaved.

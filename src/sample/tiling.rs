@@ -64,6 +64,20 @@ impl Cell {
         Aabb { min: -half, max: half }
     }
 
+    /// Whether a point of a periodic sample lies beyond a seam.
+    #[inline]
+    pub fn is_beyond(&self, p: DVec3) -> bool {
+        self.periodic && p.truncate().abs().cmpgt(self.seam()).any()
+    }
+
+    /// By how many periods a point must be moved to lie within the seams.
+    pub fn shift_home(&self, p: DVec3) -> [i32; 2] {
+        std::array::from_fn(|i| {
+            let periods = ((p[i].abs() - self.seam()[i]) / self.size[i]).ceil().max(0.0);
+            -periods.copysign(p[i]) as i32
+        })
+    }
+
     /// Everything a ray or a probe can see in a periodic sample, µm.
     pub(super) fn zone(&self) -> Aabb {
         if !self.periodic {

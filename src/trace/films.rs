@@ -1,257 +1,214 @@
-//! Thin films in the geometry: searched along the normal, solved once per stack and cosine.
+//! Thin films in the geometry: found, solved, and remembered.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
-use glam::DVec3;
+use rustc_hash::FxBuildHasher;
 
-use super::inside::{Around, Inside, Solids};
+use super::finder::{Finder, Reach, Stack, Start, World};
 use super::media::{Beams, Media, Slant};
-use crate::geometry::{All, Crossing, PrimId, Ray, SurfaceId};
-use crate::intersect::Scene;
+use super::report::Stacks;
+use crate::optics::batch::{Film, Question, Sides, Solver};
 use crate::optics::field::Field;
-use crate::optics::film::{Incidence, Layer, solve};
+use crate::optics::film::{Amplitudes, Incidence};
+use crate::optics::table::{Table, Tabulated};
 use crate::optics::{C64, Coefficients, Pair};
-use crate::plan::stacks::PARALLEL;
+use crate::plan::FilmRules;
 use crate::sample::MediumId;
-
-/// A stack found under a point of a face.
-#[derive(Clone, Debug)]
-pub struct Stack {
-    /// Its layers, from the side of the light: medium and thickness, µm.
-    pub layers: Vec<(MediumId, f64)>,
-    /// The medium behind it.
-    pub last: MediumId,
-    /// Distance of its last interface, µm.
-    pub depth: f64,
-    /// The surface of its last interface.
-    pub surface: SurfaceId,
-    /// A face of its last interface.
-    pub crossing: Crossing,
-    /// What the ray is inside of behind it.
-    pub inside: Inside,
-}
-
-/// Where a search starts.
-pub struct Start<'a> {
-    /// Point on the first interface.
-    pub point: DVec3,
-    /// Its normal, towards the light.
-    pub normal: DVec3,
-    /// Its surface.
-    pub surface: SurfaceId,
-    /// What a ray is inside of behind it.
-    pub inside: &'a Inside,
-    /// The medium of the light.
-    pub first: MediumId,
-    /// Its direction.
-    pub slant: Slant,
-}
-
-/// How far a search goes.
-#[derive(Clone, Copy, Debug)]
-pub struct Reach {
-    /// Distance along the normal, µm.
-    pub depth: f64,
-    /// Difference of optical paths, there and back, µm.
-    pub coherence: f64,
-}
 
 /// Finds stacks, and remembers solved ones. One per worker: no lock, no sharing; what it answers is a pure
 /// function of the question.
 pub struct Films<F: Field> {
-    found: All,
-    stack: Stack,
-    crossings: Vec<Crossing>,
+    finder: Finder,
     solved: Solved<F>,
-    /// The media of the stack at hand.
-    sequence: Vec<u16>,
-    stacks: Stacks,
+    /// The stacks met since they were last taken.
+    pub stacks: Stacks,
 }
 
-/// The stacks that were met.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stacks {
-    /// How often each sequence of media was met.
-    pub hits: BTreeMap<Vec<u16>, u64>,
-    /// Thickness of the thinnest layer, µm; infinite without any.
-    pub thinnest: f64,
+/// A stack with what it does to each lane.
+pub struct Found<'a, P> {
+    /// The stack.
+    pub stack: &'a Stack,
+    /// By number of the lane.
+    pub beams: &'a [Beams<P>],
 }
-
-impl Default for Stacks {
-    fn default() -> Self {
-        Self { hits: BTreeMap::new(), thinnest: f64::INFINITY }
-    }
-}
-
-impl Stacks {
-    fn add(&mut self, layers: &[(MediumId, f64)], key: &mut Vec<u16>) {
-        key.clear();
-        key.extend(layers.iter().map(|l| l.0.0));
-        self.thinnest = layers.iter().fold(self.thinnest, |least, l| least.min(l.1));
-        if let Some(n) = self.hits.get_mut(key) {
-            *n += 1;
-        } else if self.hits.len() < MOST_COUNTED {
-            self.hits.insert(key.clone(), 1);
-        }
-    }
-
-    /// Adds what others met.
-    pub fn merge(&mut self, other: Self) {
-        self.thinnest = self.thinnest.min(other.thinnest);
-        for (media, n) in other.hits {
-            *self.hits.entry(media).or_default() += n;
-        }
-    }
-}
-
-/// Different sequences of media counted.
-const MOST_COUNTED: usize = 1 << 10;
 
 impl<F: Field> Films<F> {
     /// An empty memory.
-    pub fn new() -> Self {
-        let crossing = Crossing { prim: PrimId(0), owner: 0, face: 0, enters: true };
-        let (last, surface, inside) = (MediumId(0), SurfaceId::NONE, Inside::NOTHING);
-        Self {
-            found: All::default(),
-            stack: Stack { layers: Vec::new(), last, depth: 0.0, surface, crossing, inside },
-            crossings: Vec::new(),
-            solved: Solved { key: Vec::new(), known: HashMap::new() },
-            sequence: Vec::new(),
-            stacks: Stacks::default(),
-        }
+    pub fn new(rules: &FilmRules) -> Self {
+        Self { finder: Finder::new(), solved: Solved::new(rules.tables), stacks: Stacks::default() }
     }
 
-    /// Looks for a stack under a point and solves it for every lane; `None` if there is no layer.
-    pub fn find(
-        &mut self,
-        scene: &Scene,
-        solids: &Solids,
-        media: &Media,
-        start: &Start<'_>,
-        reach: Reach,
-    ) -> Option<(&Stack, &[Beams<F::Passage>])> {
-        if !self.search(scene, solids, media, start, reach) {
-            return None;
-        }
-        self.stacks.add(&self.stack.layers, &mut self.sequence);
-        let Stack { layers, last, .. } = &self.stack;
-        let solution = self.solved.get_or_solve(media, start.first, layers, *last, start.slant);
-        Some((&self.stack, solution))
+    /// Looks for a stack under a point; says whether there is a layer.
+    pub fn search(&mut self, world: &World<'_>, start: &Start<'_>, reach: Reach) -> bool {
+        self.finder.search(world, start, reach)
+    }
+
+    /// Whether the stack just found ends nearby.
+    pub fn near_edge(&mut self, world: &World<'_>, start: &Start<'_>) -> bool {
+        self.finder.near_edge(world, start)
+    }
+
+    /// Solves the stack just found for every lane. `power` of the light (a share of the incident power) meets it.
+    pub fn solve(&mut self, world: &World<'_>, start: &Start<'_>, power: f64) -> Found<'_, F::Passage> {
+        let stack = self.finder.stack();
+        self.stacks.add(&stack.layers, power);
+        let curved = stack.uniform && world.scene.primitives().plane(start.surface).is_none();
+        let beams = self.solved.stack(world.media, start, stack, curved);
+        Found { stack, beams }
     }
 
     /// A single interface for every lane.
     pub fn interface(&mut self, media: &Media, first: MediumId, last: MediumId, slant: Slant) -> &[Beams<F::Passage>] {
-        self.solved.get_or_solve(media, first, &[], last, slant)
-    }
-
-    /// Lists the interfaces along the normal that are parallel to the first, while the sum of optical paths there
-    /// and back stays within reach. Metal is a layer like others: light that no ray could follow may still come
-    /// through. Says whether there is a layer.
-    fn search(&mut self, scene: &Scene, solids: &Solids, media: &Media, start: &Start<'_>, reach: Reach) -> bool {
-        let Around::Medium(second) = solids.around(start.inside) else { return false };
-        let kx = media.index(start.first, 0).re * start.slant.sin;
-        let primitives = scene.primitives();
-        let down = Ray { origin: start.point, dir: -start.normal };
-        let query = primitives.query_leaving(down, start.surface).within(reach.depth);
-        let stack = &mut self.stack;
-        stack.layers.clear();
-        (stack.last, stack.depth) = (second, 0.0);
-        let mut inside = start.inside.clone();
-        let mut layer = second;
-        let mut path = 0.0;
-        for interface in scene.all(&query, &mut self.found).chunk_by(|a, b| a.order == b.order) {
-            let order = interface[0].order;
-            self.crossings.clear();
-            self.crossings.extend(interface.iter().map(|h| h.crossing));
-            if solids.cross(&mut inside, &self.crossings).is_err() {
-                break;
-            }
-            let Around::Medium(next) = solids.around(&inside) else { break };
-            if layer == next {
-                continue;
-            }
-            let crossing = self.crossings[0];
-            let normal = primitives.normal(crossing.prim, crossing.face, down.at(order.t));
-            let thickness = quantized(order.t) - quantized(stack.depth);
-            let q2 = media.index(layer, 0).re.powi(2) - kx * kx;
-            path += 2.0 * thickness * q2.max(0.0).sqrt();
-            if normal.dot(start.normal).abs() < PARALLEL || path > reach.coherence {
-                break;
-            }
-            stack.layers.push((layer, thickness));
-            (stack.last, stack.depth, stack.surface) = (next, order.t, order.surface);
-            stack.crossing = crossing;
-            stack.inside.clone_from(&inside);
-            layer = next;
-        }
-        !stack.layers.is_empty()
-    }
-
-    /// What was met.
-    pub fn into_stacks(self) -> Stacks {
-        self.stacks
+        self.solved.interface(media, first, last, slant)
     }
 }
 
 /// What a stack does to each lane.
-type PerLane<F> = Box<[Beams<<F as Field>::Passage>]>;
+type PerLane<F> = Vec<Beams<<F as Field>::Passage>>;
+type Known<T> = HashMap<Box<[u64]>, T, FxBuildHasher>;
 
-/// Solutions by stack and cosine.
+/// Solutions by stack and cosine, and tables over the cosine by stack.
 struct Solved<F: Field> {
     key: Vec<u64>,
-    known: HashMap<Box<[u64]>, PerLane<F>>,
+    exact: Known<PerLane<F>>,
+    /// `None` for stacks that cannot be tabulated.
+    tables: Known<Option<Table>>,
+    /// Whether stacks on curved faces are tabulated.
+    tabulate: bool,
+    work: Work,
+    /// An answer that is not kept.
+    fleeting: PerLane<F>,
 }
 
-/// Solutions kept before the memory is emptied.
+/// Working memory of the solver.
+#[derive(Default)]
+struct Work {
+    solver: Solver,
+    incidences: Vec<Incidence>,
+    amplitudes: Vec<Pair<Amplitudes>>,
+    coefficients: Vec<Coefficients>,
+    scratch: Vec<f64>,
+}
+
+/// Solutions, and tables, kept before the memory is emptied.
 const MOST_SOLVED: usize = 1 << 14;
+const MOST_TABLES: usize = 1 << 8;
+/// Thinner stacks are solved faster than looked up.
+const FEWEST_TABULATED: usize = 5;
 
 impl<F: Field> Solved<F> {
-    /// A stack (or, without layers, an interface) at every lane.
-    fn get_or_solve(
-        &mut self,
-        media: &Media,
-        first: MediumId,
-        layers: &[(MediumId, f64)],
-        last: MediumId,
-        slant: Slant,
-    ) -> &[Beams<F::Passage>] {
-        self.key.clear();
-        self.key.extend([slant.cos.to_bits(), u64::from(first.0) << 16 | u64::from(last.0)]);
-        self.key.extend(layers.iter().flat_map(|(m, d)| [u64::from(m.0), d.to_bits()]));
-        if !self.known.contains_key(&self.key[..]) {
-            if self.known.len() >= MOST_SOLVED {
-                self.known.clear();
-            }
-            let lanes = 0..media.lanes() as u16;
-            let solution = lanes.map(|lane| solve_lane::<F>(media, first, layers, last, slant, lane)).collect();
-            self.known.insert(self.key.clone().into(), solution);
+    fn new(tabulate: bool) -> Self {
+        Self {
+            key: Vec::new(),
+            exact: Known::default(),
+            tables: Known::default(),
+            tabulate,
+            work: Work::default(),
+            fleeting: Vec::new(),
         }
-        &self.known[&self.key[..]]
+    }
+
+    /// A stack at every lane. Whether it comes from a table depends on the stack alone, so that what was asked before
+    /// does not matter.
+    fn stack(&mut self, media: &Media, start: &Start<'_>, stack: &Stack, curved: bool) -> &[Beams<F::Passage>] {
+        if !curved {
+            self.set_key(start.first, &stack.layers, stack.last, Some((start.slant.cos, stack.walked)));
+            let solve = || self.work.exact::<F>(media, start, stack);
+            return remember::<PerLane<F>>(&mut self.exact, MOST_SOLVED, &self.key, solve);
+        }
+        let mut from_table = false;
+        if self.tabulate && stack.layers.len() >= FEWEST_TABULATED {
+            self.set_key(start.first, &stack.layers, stack.last, None);
+            let work = &mut self.work;
+            let build = || Table::new(&mut work.solver, &tabulated(media, start.first, stack));
+            if let Some(table) = remember(&mut self.tables, MOST_TABLES, &self.key, build) {
+                table.at(start.slant.cos, &mut work.scratch, &mut work.coefficients);
+                from_table = true;
+            }
+        }
+        if !from_table {
+            self.work.solve(media, start.first, start.slant, &stack.layers, stack.last);
+        }
+        self.fleeting.clear();
+        self.fleeting.extend(self.work.beams::<F>(media, start, stack));
+        &self.fleeting
+    }
+
+    fn interface(&mut self, media: &Media, first: MediumId, last: MediumId, slant: Slant) -> &[Beams<F::Passage>] {
+        self.set_key(first, &[], last, Some((slant.cos, 0.0)));
+        remember::<PerLane<F>>(&mut self.exact, MOST_SOLVED, &self.key, || {
+            (0..media.lanes() as u16).map(|lane| media.interface::<F>(first, last, lane, slant).0).collect()
+        })
+    }
+
+    fn set_key(&mut self, first: MediumId, films: &[Film], last: MediumId, at: Option<(f64, f64)>) {
+        self.key.clear();
+        self.key.push(u64::from(first.0) << 16 | u64::from(last.0));
+        self.key.extend(at.into_iter().flat_map(|(cos, walked)| [cos.to_bits(), walked.to_bits()]));
+        self.key.extend(films.iter().flat_map(|f| [f.medium as u64, f.thickness.to_bits()]));
     }
 }
 
-fn solve_lane<F: Field>(
-    media: &Media,
-    first: MediumId,
-    layers: &[(MediumId, f64)],
-    last: MediumId,
-    slant: Slant,
-    lane: u16,
-) -> Beams<F::Passage> {
-    if layers.is_empty() {
-        return media.interface::<F>(first, last, lane, slant).0;
+/// What is known of a key, or becomes known now.
+fn remember<'a, T>(known: &'a mut Known<T>, most: usize, key: &[u64], find: impl FnOnce() -> T) -> &'a T {
+    if !known.contains_key(key) {
+        if known.len() >= most {
+            known.clear();
+        }
+        known.insert(key.into(), find());
     }
-    let incidence = Incidence::from_cos(media.index(first, lane).re, slant.cos);
-    let layers: Vec<Layer> =
-        layers.iter().map(|&(m, thickness)| Layer { index: media.index(m, lane), thickness }).collect();
-    let both = solve(&incidence, &layers, media.index(last, lane), media.wavelength(lane));
-    let t = if media.is_opaque(last) { Pair { s: C64::ZERO, p: C64::ZERO } } else { both.map(|a| a.t_power()) };
-    Beams::new(&Coefficients { r: both.map(|a| a.r), t })
+    &known[key]
 }
 
-/// Distances to 2⁻⁴⁰ µm (a millionth of a picometre), so that one stack seen from different points is one.
-fn quantized(t: f64) -> f64 {
-    const STEPS: f64 = (1u64 << 40) as f64;
-    (t * STEPS).round() / STEPS
+fn tabulated<'a>(media: &'a Media, first: MediumId, stack: &'a Stack) -> Tabulated<'a> {
+    let (first, last) = (usize::from(first.0), usize::from(stack.last.0));
+    Tabulated { media: media.spectra(), first, films: &stack.layers, last, wavelengths: media.wavelengths() }
+}
+
+impl Work {
+    fn exact<F: Field>(&mut self, media: &Media, start: &Start<'_>, stack: &Stack) -> PerLane<F> {
+        self.solve(media, start.first, start.slant, &stack.layers, stack.last);
+        self.beams::<F>(media, start, stack).collect()
+    }
+
+    /// Coefficients of a stack at every lane.
+    fn solve(&mut self, media: &Media, first: MediumId, slant: Slant, films: &[Film], last: MediumId) {
+        let lanes = 0..media.lanes() as u16;
+        self.incidences.clear();
+        self.incidences.extend(lanes.map(|lane| Incidence::from_cos(media.index(first, lane).re, slant.cos)));
+        let question = Question {
+            incidences: &self.incidences,
+            media: media.spectra(),
+            films,
+            last: usize::from(last.0),
+            wavelengths: media.wavelengths(),
+        };
+        self.solver.solve(&question, Sides::Front, &mut self.amplitudes);
+        let of = |both: &Pair<Amplitudes>| Coefficients { r: both.map(|a| a.r), t: both.map(|a| a.t_power()) };
+        self.coefficients.clear();
+        self.coefficients.extend(self.amplitudes.iter().map(of));
+    }
+
+    /// What these coefficients do to light that starts behind the stack where the probe left it.
+    fn beams<F: Field>(
+        &self,
+        media: &Media,
+        start: &Start<'_>,
+        stack: &Stack,
+    ) -> impl Iterator<Item = Beams<F::Passage>> {
+        let ends = media.is_opaque(stack.last);
+        self.coefficients.iter().enumerate().map(move |(lane, c)| {
+            if ends {
+                let t = Pair { s: C64::ZERO, p: C64::ZERO };
+                return Beams::new(&Coefficients { t, ..*c });
+            }
+            if stack.walked == 0.0 {
+                return Beams::new(c);
+            }
+            // The phase of t is that straight below the first point.
+            let kx = media.wave_number(lane as u16) * media.index(start.first, lane as u16).re * start.slant.sin;
+            let phase = C64::cis(kx * stack.walked);
+            Beams::new(&Coefficients { t: c.t.map(|t| t * phase), ..*c })
+        })
+    }
 }

@@ -5,7 +5,7 @@ use crate::geometry::Crossing;
 use crate::sample::{Matter, MediumId, Sample};
 
 /// Bodies that may lie in one another.
-const DEEPEST: usize = 8;
+const DEEPEST: usize = 32;
 
 /// A small multiset of solids, the winner first.
 #[derive(Debug)]
@@ -189,7 +189,7 @@ mod tests {
         inside.leave(0).unwrap();
         inside.leave(2).unwrap();
         assert_eq!(inside.winner(), Some(0));
-        for _ in 0..7 {
+        for _ in 1..DEEPEST {
             inside.enter(0, &briefs).unwrap();
         }
         assert_eq!(inside.enter(0, &briefs), Err(Contradiction));

@@ -7,7 +7,8 @@
 
 use glam::DVec3;
 
-use super::films::{Films, Reach, Start};
+use super::films::{Films, Found};
+use super::finder::{Reach, Start};
 use super::inside::{Around, Inside};
 use super::kernel::{Kernel, Stop};
 use super::media::{Beams, Refraction, Slant};
@@ -15,9 +16,11 @@ use super::random::{TreeKey, decision};
 use super::record::{Loss, Recorder};
 use super::stream::{Bits, Flight, Slot, Stream};
 
-use crate::geometry::{PrimId, Ray, SurfaceId};
+use crate::geometry::{Crossing, PrimId, Ray, SurfaceId};
+use crate::optics::batch::Film;
 use crate::optics::field::{Field, Passage};
 use crate::optics::{C64, Coefficients, Pair};
+use crate::plan::Edges;
 use crate::sample::{Matter, MediumId};
 
 /// An interface between two different media, met by a ray.
@@ -30,8 +33,8 @@ pub struct Interface<'a> {
     pub normal: DVec3,
     /// Its surface.
     pub surface: SurfaceId,
-    /// One of its primitives.
-    pub at: PrimId,
+    /// One of its faces.
+    pub crossing: Crossing,
     /// Whether a stack of films may begin here.
     pub may_be_film: bool,
     /// Whether the face is so narrow that ray optics is in doubt.
@@ -46,6 +49,12 @@ pub struct Interface<'a> {
 /// measured: the reflection of an antireflection coating is a small share that people want to know well.
 const SPLIT_ABOVE: f64 = 1e-9;
 
+/// Numbers that are drawn once for a tree: whether it looks for the edges of films, and how far its waves are coherent.
+const EDGE: u32 = 2;
+const COHERENCE: u32 = 3;
+/// One in so many trees looks for the edges of films that are only to be told of.
+const SAMPLED: f64 = 16.0;
+
 /// Below this sine of the angle of incidence any plane of incidence will do.
 const NORMAL: f64 = 1e-12;
 
@@ -57,6 +66,8 @@ struct Behind<'a> {
     inside: &'a Inside,
     medium: MediumId,
     refraction: Refraction,
+    /// Periods by which it was moved.
+    shift: [i32; 2],
 }
 
 /// What an interface does to each lane.
@@ -115,26 +126,28 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
         let kernel = self.kernel;
         let media = &kernel.media;
         let first = self.stream.flights[self.slot].medium;
-        let Interface { point, normal, surface, at, inside, .. } = *self.interface;
+        let Interface { point, normal, surface, crossing, inside, .. } = *self.interface;
         let (lane, alone) = self.stream.first_lane(self.slot);
         let plane = self.plane();
         if self.interface.may_be_film {
-            let start = Start { point, normal, surface, inside, first, slant: plane.slant };
-            let reach = Reach { depth: self.kernel.sample.cell.reach, coherence: self.kernel.plan.coherence_length };
-            if let Some((stack, table)) = films.find(self.kernel.scene, &self.kernel.solids, media, &start, reach) {
-                // Straight below: there the phase of t is referred to, and there the media were found.
-                let below = point - stack.depth * normal;
+            let dir = self.interface.dir;
+            let start = Start { point, normal, surface, crossing, inside, first, dir, slant: plane.slant, lane };
+            if self.finds_stack(films, &start) {
+                let power: f64 = self.stream.loads(self.slot).map(|(_, field)| field.power()).sum();
+                let Found { stack, beams } = films.solve(&kernel.world(), &start, power / self.kernel.lanes() as f64);
                 let refraction = media.refraction(first, stack.last, lane, plane.slant);
                 let behind = refraction.map(|refraction| Behind {
-                    point: self.kernel.scene.primitives().snap(stack.crossing, stack.surface, below),
+                    point: stack.exit,
                     surface: stack.surface,
                     at: stack.crossing.prim,
                     inside: &stack.inside,
                     medium: stack.last,
                     refraction,
+                    shift: stack.shift,
                 });
-                let absorbs = media.is_opaque(stack.last) || stack.layers.iter().any(|(m, _)| media.absorbs(*m));
-                return self.divide(&plane, &Action::PerLane(table), behind, absorbs);
+                let layer_absorbs = |l: &Film| media.absorbs(MediumId(l.medium as u16));
+                let absorbs = media.is_opaque(stack.last) || stack.layers.iter().any(layer_absorbs);
+                return self.divide(&plane, &Action::PerLane(beams), behind, absorbs);
             }
         }
         self.doubt();
@@ -145,8 +158,41 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
             let (beams, refraction) = media.interface::<F>(first, last, lane, plane.slant);
             (Action::Uniform(beams), refraction)
         };
-        let behind = refraction.map(|refraction| Behind { point, surface, at, inside, medium: last, refraction });
+        let behind = refraction.map(|refraction| Behind {
+            point,
+            surface,
+            at: crossing.prim,
+            inside,
+            medium: last,
+            refraction,
+            shift: [0, 0],
+        });
         self.divide(&plane, &action, behind, media.is_opaque(last))
+    }
+
+    /// Whether a stack begins here that is to be taken as one.
+    fn finds_stack(&mut self, films: &mut Films<F>, start: &Start<'_>) -> bool {
+        let kernel = self.kernel;
+        let rules = &kernel.plan.films;
+        let coherence = rules.coherence.length(decision(self.numbers.key, 0, 0, COHERENCE));
+        let reach = Reach { depth: kernel.sample.cell.reach, coherence };
+        let world = kernel.world();
+        if !films.search(&world, start, reach) {
+            return false;
+        }
+        let told = self.stream.flights[self.slot].edge;
+        let (look, weight) = match rules.edges {
+            Edges::Reject => (true, 1.0),
+            // Only told, so some trees stand for all.
+            Edges::Column => (!told && decision(self.numbers.key, 0, 0, EDGE) < 1.0 / SAMPLED, SAMPLED),
+        };
+        if !look || !films.near_edge(&world, start) {
+            return true;
+        }
+        if !std::mem::replace(&mut self.stream.flights[self.slot].edge, true) {
+            self.stream.loads(self.slot).for_each(|(lane, field)| self.recorder.edge(lane, weight * field.power()));
+        }
+        rules.edges == Edges::Column
     }
 
     /// Tells of a ray that meets a narrow face for the first time.
@@ -194,8 +240,8 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
                 }
                 let both = splits && reflected.min(transmitted) > SPLIT_ABOVE * kept;
                 if both {
-                    self.give(&mut beams, REFLECTED, lane, field.times(r));
-                    self.give(&mut beams, TRANSMITTED, lane, field.times(t));
+                    self.follow(&mut beams, REFLECTED, lane, field.times(r), reflected);
+                    self.follow(&mut beams, TRANSMITTED, lane, field.times(t), transmitted);
                 } else if transmitted == 0.0
                     || *lot.get_or_insert_with(|| draw(branch, events, self.numbers)) * kept < reflected
                 {
@@ -206,6 +252,16 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
             }
         }
         self.send(plane, behind.as_ref(), splits, beams)
+    }
+
+    /// Gives a lane to a beam if it is not too faint.
+    #[inline(always)]
+    fn follow(&mut self, beams: &mut BeamSlots, side: usize, lane: u16, field: F, power: f64) {
+        if power >= self.kernel.plan.limits.faintest {
+            self.give(beams, side, lane, field);
+        } else {
+            self.recorder.lose(Loss::Depth, lane, power);
+        }
     }
 
     /// Gives a lane to a beam. Whichever beam gets the first lane keeps the slot of the ray.
@@ -223,9 +279,11 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
     /// Sets the directions of both beams; gives up those that need not be followed.
     #[inline]
     fn send(&mut self, plane: &Plane, behind: Option<&Behind<'_>>, splits: bool, beams: BeamSlots) -> BeamSlots {
-        let Interface { dir, point, normal, surface, at, .. } = *self.interface;
+        let Interface { dir, point, normal, surface, crossing, .. } = *self.interface;
+        let at = crossing.prim;
         let cos = plane.slant.cos;
-        let next_branch = |branch: u32, side: u32| if splits { 2 * branch + side } else { branch };
+        // Of very deep trees only the last 32 turns tell branches apart.
+        let next_branch = |branch: u32, side: u32| if splits { branch << 1 | side } else { branch };
         let primitives = self.kernel.scene.primitives();
         let reflected = beams[REFLECTED].filter(|&slot| {
             let dir = unit(dir + 2.0 * cos * normal);
@@ -240,6 +298,7 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
             self.stream.queries[slot] = primitives.query_leaving(Ray { origin: b.point, dir }, b.surface);
             let f = &mut self.stream.flights[slot];
             (f.frame, f.at, f.branch, f.events) = (plane.s.cross(dir), b.at, next_branch(f.branch, 1), f.events + 1);
+            f.walk = [f.walk[0] - b.shift[0], f.walk[1] - b.shift[1]];
             f.medium = b.medium;
             f.inside.clone_from(b.inside);
             self.settle(slot).then_some(slot)
@@ -297,13 +356,13 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
         }
         let (r2, turn) = (draw(branch, events, self.numbers), decision(self.numbers.key, branch, events, 1));
         let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
-        let Interface { point, normal, surface, at, .. } = *self.interface;
+        let Interface { point, normal, surface, crossing, .. } = *self.interface;
         let (u, v) = normal.any_orthonormal_pair();
         let dir = unit(r2.sqrt() * (cos * u + sin * v) + (1.0 - r2).sqrt() * normal);
         let primitives = self.kernel.scene.primitives();
         self.stream.queries[slot] = primitives.query_leaving(Ray { origin: point, dir }, surface);
         let f = &mut self.stream.flights[slot];
-        (f.frame, f.at, f.events) = (dir.any_orthonormal_vector(), at, events + 1);
+        (f.frame, f.at, f.events) = (dir.any_orthonormal_vector(), crossing.prim, events + 1);
         [self.settle(slot).then_some(slot), None]
     }
 }

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::finder::World;
 use super::inside::Solids;
 use super::media::Media;
 use super::stream::{Border, Flight};
@@ -54,6 +55,17 @@ impl<'a> Kernel<'a> {
     /// The plan.
     pub fn plan(&self) -> &'a Plan {
         self.plan
+    }
+
+    /// What searches for films are asked of.
+    pub(super) fn world(&self) -> World<'_> {
+        World {
+            sample: self.sample,
+            scene: self.scene,
+            solids: &self.solids,
+            media: &self.media,
+            probe: self.plan.films.probe,
+        }
     }
 
     /// Number of lanes.
@@ -111,32 +123,25 @@ impl<'a> Kernel<'a> {
         within.then_some((order, crossing))
     }
 
-    /// Moves a ray by a period if it starts beyond a seam (a stack of films across a wall can carry it there).
+    /// Moves a ray by whole periods if it starts beyond a seam (a stack of films can carry it there).
     ///
     /// # Errors
     /// When it cannot or need not be followed.
     #[inline(always)]
     pub(super) fn settle(&self, query: &mut Query, flight: &mut Flight) -> Result<(), Stop> {
-        let cell = &self.sample.cell;
-        if cell.periodic {
-            let seam = cell.seam();
-            for axis in 0..2 {
-                if query.ray.origin[axis].abs() > seam[axis] {
-                    self.move_to_copy(query, flight, axis).ok_or(Stop::NoCopy)?;
-                }
-            }
+        if self.sample.cell.is_beyond(query.ray.origin) {
+            self.move_to_copy(query, flight).ok_or(Stop::NoCopy)?;
         }
         if self.walked_out(flight.walk, query.ray.origin) { Err(Stop::Side) } else { Ok(()) }
     }
 
     #[cold]
-    fn move_to_copy(&self, query: &mut Query, flight: &mut Flight, axis: usize) -> Option<()> {
-        let mut shift = [0, 0];
-        shift[axis] = if query.ray.origin[axis] > 0.0 { -1 } else { 1 };
+    fn move_to_copy(&self, query: &mut Query, flight: &mut Flight) -> Option<()> {
         let primitives = self.scene.primitives();
         let face = primitives.faces(flight.at).iter().position(|&s| s == query.last)?;
-        flight.at = self.sample.tiling.neighbour(flight.at, shift)?;
-        flight.walk[axis] -= shift[axis];
+        let shift = self.sample.cell.shift_home(query.ray.origin);
+        flight.at = self.sample.copy(flight.at, shift)?;
+        flight.walk = [flight.walk[0] - shift[0], flight.walk[1] - shift[1]];
         let origin = query.ray.origin + self.sample.cell.offset(shift);
         *query = primitives.query_leaving(Ray { origin, ..query.ray }, primitives.faces(flight.at)[face]);
         Some(())

@@ -1,5 +1,6 @@
 //! Media at the traced wavelengths, and single interfaces between them.
 
+use crate::optics::batch::Spectrum;
 use crate::optics::field::{Field, Passage};
 use crate::optics::fresnel::{self, Dielectric};
 use crate::optics::{C64, Coefficients, Pair};
@@ -9,6 +10,8 @@ use crate::sample::{MediumId, MediumTable};
 /// Index of every medium at every lane.
 pub struct Media {
     wavelengths: Vec<f64>,
+    /// The same numbers as `index`, for the solver of films.
+    spectra: Vec<Spectrum>,
     /// All lanes of the first medium, then all of the second, and so on.
     index: Vec<C64>,
     properties: Vec<Properties>,
@@ -70,6 +73,7 @@ impl Media {
         };
         Self {
             wavelengths: lanes.iter().map(|&w| wavelengths[w]).collect(),
+            spectra: media.iter().map(|m| lanes.iter().map(|&w| m.index[w]).collect()).collect(),
             index: media.iter().flat_map(|m| lanes.iter().map(|&w| m.index[w])).collect(),
             properties: media.iter().map(properties).collect(),
         }
@@ -80,10 +84,20 @@ impl Media {
         self.wavelengths.len()
     }
 
-    /// Vacuum wavelength of a lane, µm.
+    /// Vacuum wavelengths by lane, µm.
+    pub fn wavelengths(&self) -> &[f64] {
+        &self.wavelengths
+    }
+
+    /// Complex index by medium.
+    pub fn spectra(&self) -> &[Spectrum] {
+        &self.spectra
+    }
+
+    /// 2π over the vacuum wavelength of a lane, 1/µm.
     #[inline]
-    pub fn wavelength(&self, lane: u16) -> f64 {
-        self.wavelengths[usize::from(lane)]
+    pub fn wave_number(&self, lane: u16) -> f64 {
+        std::f64::consts::TAU / self.wavelengths[usize::from(lane)]
     }
 
     /// Index of a medium at a lane.

@@ -63,6 +63,9 @@ pub trait Recorder<F> {
     /// Power of a lane met, for the first time on its way, a face so narrow that ray optics is in doubt, outside
     /// of films.
     fn doubt(&mut self, lane: u16, power: f64);
+    /// Power of a lane met, for the first time on its way, a stack of films so near to its edge that light in it would get
+    /// there.
+    fn edge(&mut self, lane: u16, power: f64);
     /// Segments were traced.
     fn segments(&mut self, count: usize);
 }
@@ -81,8 +84,10 @@ pub(crate) mod tests {
         let (frame, at, medium, inside) = (DVec3::X, PrimId(0), crate::sample::MediumId(0), Inside::NOTHING);
         let (branch, events, walk, border) = (1, 0, [0, 0], Border::Out);
         let query = Primitives::default().query(Ray { origin: DVec3::ZERO, dir });
-        let slot = stream
-            .insert(query, Flight { frame, at, medium, inside, tree, branch, events, walk, border, doubtful: false });
+        let slot = stream.insert(
+            query,
+            Flight { frame, at, medium, inside, tree, branch, events, walk, border, doubtful: false, edge: false },
+        );
         stream.put(slot, 0, field);
         let (position, anchor) = (DVec3::ZERO, DVec3::ZERO);
         recorder.exit(&Exit { tree, dir, frame, position, anchor, slot, stream: &stream });

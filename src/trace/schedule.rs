@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError, mpsc};
 
-use super::films::Stacks;
 use super::kernel::Kernel;
 use super::random::{Batch, TreeKey, TreeNumbers};
 use super::record::Recorder;
+use super::report::Stacks;
 use super::tracer::Tracer;
 use crate::light::Light;
 use crate::optics::field::Field;
@@ -48,22 +48,21 @@ pub trait Detect<F: Field>: Recorder<F> {
     fn finish(&mut self, trees: u64) -> Self::Part;
 }
 
-/// Traces `units` on all threads of `pool`. `detector` makes one recorder per thread; `deliver` gets the parts in
-/// the order of the units, and stops the work by returning `false`.
+/// Traces `units` on all threads of `pool`. `detector` makes one recorder per thread; `deliver` gets the parts, and the
+/// stacks of films that were met, in the order of the units, and stops the work by returning `false`.
 pub fn run<F: Field, D: Detect<F>>(
     kernel: &Kernel<'_>,
     light: &Light,
     units: &[Unit],
     pool: &rayon::ThreadPool,
     detector: impl Fn() -> D + Sync,
-    mut deliver: impl FnMut(&Unit, D::Part) -> bool,
-) -> Stacks {
+    mut deliver: impl FnMut(&Unit, D::Part, Stacks) -> bool,
+) {
     let next = AtomicUsize::new(0);
     let delivered = Mutex::new(0usize);
     let progress = Condvar::new();
-    let stacks = Mutex::new(Stacks::default());
     let (sender, receiver) = mpsc::channel();
-    let work = |sender: mpsc::Sender<(usize, D::Part)>| {
+    let work = |sender: mpsc::Sender<(usize, (D::Part, Stacks))>| {
         let mut worker = Worker { tracer: Tracer::<F>::new(kernel), detector: detector(), order: Vec::new() };
         loop {
             let i = next.fetch_add(1, Ordering::Relaxed);
@@ -73,11 +72,11 @@ pub fn run<F: Field, D: Detect<F>>(
                 done = progress.wait(done).unwrap_or_else(PoisonError::into_inner);
             }
             drop(done);
-            if sender.send((i, worker.trace(light, unit))).is_err() {
+            let part = worker.trace(light, unit);
+            if sender.send((i, (part, worker.tracer.take_stacks()))).is_err() {
                 break;
             }
         }
-        stacks.lock().unwrap_or_else(PoisonError::into_inner).merge(worker.tracer.into_stacks());
     };
     pool.in_place_scope(|scope| {
         for _ in 0..pool.current_num_threads() {
@@ -89,8 +88,8 @@ pub fn run<F: Field, D: Detect<F>>(
         let mut wanted = 0;
         for (i, part) in receiver {
             waiting.insert(i, part);
-            while let Some(part) = waiting.remove(&wanted) {
-                let go_on = deliver(&units[wanted], part);
+            while let Some((part, stacks)) = waiting.remove(&wanted) {
+                let go_on = deliver(&units[wanted], part, stacks);
                 wanted += 1;
                 if !go_on {
                     next.store(units.len(), Ordering::Relaxed);
@@ -100,7 +99,6 @@ pub fn run<F: Field, D: Detect<F>>(
             progress.notify_all();
         }
     });
-    stacks.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 struct Worker<'k, 'a, F: Field, D> {

@@ -40,6 +40,8 @@ pub struct Flight {
     pub border: Border,
     /// Whether it has met a face so narrow that ray optics is in doubt.
     pub doubtful: bool,
+    /// Whether it has met a film near to an edge.
+    pub edge: bool,
 }
 
 /// Number of a ray.

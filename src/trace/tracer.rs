@@ -2,12 +2,13 @@
 
 use glam::DVec3;
 
-use super::films::{Films, Stacks};
+use super::films::Films;
 use super::inside::{Around, Inside};
 use super::interact::{Interface, Partition};
 use super::kernel::Kernel;
 use super::random::TreeKey;
 use super::record::{Exit, Loss, Recorder};
+use super::report::Stacks;
 use super::stream::{Border, Flight, Slot, Stream};
 use crate::geometry::{Crossing, Order, PrimId, Ray};
 use crate::intersect::Coherence;
@@ -39,7 +40,7 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
         Self {
             kernel,
             stream: Stream::new(kernel.lanes(), kernel.followed()),
-            films: Films::new(),
+            films: Films::new(&kernel.plan.films),
             asked: Vec::new(),
             next: Vec::new(),
             ready: Vec::new(),
@@ -80,9 +81,9 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
         recorder.segments(self.segments);
     }
 
-    /// The stacks met so far.
-    pub fn into_stacks(self) -> Stacks {
-        self.films.into_stacks()
+    /// The stacks met since this was last asked.
+    pub fn take_stacks(&mut self) -> Stacks {
+        std::mem::take(&mut self.films.stacks)
     }
 
     fn launch(
@@ -119,6 +120,7 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
                 walk: [0, 0],
                 border,
                 doubtful: false,
+                edge: false,
             };
             for bundle in &kernel.plan.bundles {
                 let slot = self.stream.insert(query, flight.clone());
@@ -192,7 +194,7 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
             point,
             normal,
             surface: order.surface,
-            at: crossing.prim,
+            crossing,
             may_be_film: marks.any() && crossings.iter().any(|c| marks.marked(c.prim, c.face)),
             narrow: features.any() && crossings.iter().all(|c| features.is_small(c.prim, c.face)),
             inside: &self.inside,
@@ -226,8 +228,7 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
             for bit in super::stream::Bits(self.stream.word(slot, word)) {
                 let lane = (64 * word) as u16 + bit;
                 let field = self.stream.field(slot, lane);
-                let k0 = std::f64::consts::TAU / media.wavelength(lane);
-                let decay = -2.0 * k0 * media.index(medium, lane).im * length;
+                let decay = -2.0 * media.wave_number(lane) * media.index(medium, lane).im * length;
                 recorder.absorb(lane, field.power() * -decay.exp_m1());
                 self.stream.put(slot, lane, field.scaled(decay.exp()));
             }

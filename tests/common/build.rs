@@ -119,7 +119,7 @@ impl Build {
 
     /// The finished sample.
     pub fn sample(&self, light: &Light) -> Sample {
-        Sample::new(&self.0, &light.wavelengths, light.coherence_length()).unwrap_or_else(|e| panic!("{e}"))
+        Sample::new(&self.0, &light.wavelengths, light.coherence()).unwrap_or_else(|e| panic!("{e}"))
     }
 }
 

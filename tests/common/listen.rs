@@ -6,21 +6,13 @@ use gonio_embree::intersect::Scene;
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::Light;
 use gonio_embree::optics::field::{Field, Stokes};
-use gonio_embree::plan::{Limits, Plan, Wanted};
+use gonio_embree::plan::{Limits, Options, Plan, Wanted};
 use gonio_embree::sample::Sample;
 use gonio_embree::trace::{Batch, Detect, Exit, Kernel, Loss, Recorder, Tracer, TreeKey, TreeNumbers, Unit, run};
 
 /// Usual settings.
 pub fn settings(trees: u64) -> Settings {
-    Settings {
-        trees,
-        seed: 1,
-        threads: 2,
-        backend: Backend::auto(),
-        dome_level: 3,
-        limits: Limits::default(),
-        effects: Wanted::Auto,
-    }
+    Settings { trees, seed: 1, threads: 2, backend: Backend::auto(), dome_level: 3, options: Options::default() }
 }
 
 /// A ray that left.
@@ -70,6 +62,7 @@ impl<F: Field> Recorder<F> for Heard<F> {
     }
 
     fn doubt(&mut self, _: u16, _: f64) {}
+    fn edge(&mut self, _: u16, _: f64) {}
 
     fn segments(&mut self, _: usize) {}
 }
@@ -94,10 +87,22 @@ pub fn listen<F: Field>(
     effects: Wanted,
     entries: &Entries,
 ) -> Heard<F> {
+    let plan = Plan::new(sample, light, &Options { limits, wanted: effects, ..Options::default() });
+    listen_to(&plan, effects == Wanted::All, sample, light, backend, entries)
+}
+
+/// The same for any plan; `phase` says whether lengths are followed.
+pub fn listen_to<F: Field>(
+    plan: &Plan,
+    phase: bool,
+    sample: &Sample,
+    light: &Light,
+    backend: Backend,
+    entries: &Entries,
+) -> Heard<F> {
     let scene = Scene::new(sample.primitives.clone(), sample.domain, backend).unwrap();
-    let plan = Plan::new(sample, light, limits, effects);
-    let kernel = Kernel::new(sample, &scene, &plan, light);
-    let kernel = if effects == Wanted::All { kernel.with_phase() } else { kernel };
+    let kernel = Kernel::new(sample, &scene, plan, light);
+    let kernel = if phase { kernel.with_phase() } else { kernel };
     let mut tracer = Tracer::<F>::new(&kernel);
     let mut heard = Heard { exits: Vec::new(), side: 0.0, absorbed: 0.0, lost: 0.0 };
     for (i, part) in entries.chunks(256).enumerate() {
@@ -140,6 +145,7 @@ impl<F: Field, B: Fn(DVec3) -> Option<usize>> Recorder<F> for Histogram<'_, B> {
     }
 
     fn doubt(&mut self, _: u16, _: f64) {}
+    fn edge(&mut self, _: u16, _: f64) {}
 
     fn segments(&mut self, _: usize) {}
 }
@@ -166,13 +172,13 @@ pub fn histogram(
     bin: impl Fn(DVec3) -> Option<usize> + Sync,
 ) -> Vec<Vec<f64>> {
     let scene = Scene::new(sample.primitives.clone(), sample.domain, Backend::auto()).unwrap();
-    let plan = Plan::new(sample, light, Limits::default(), Wanted::Auto);
+    let plan = Plan::new(sample, light, &Options::default());
     let kernel = Kernel::new(sample, &scene, &plan, light);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     let units: Vec<Unit> = batches.iter().flat_map(|&b| Unit::cut(b, trees)).collect();
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(batches.len());
     let make = || Histogram { bin: &bin, power: vec![0.0; bins + 1] };
-    run::<Stokes, _>(&kernel, light, &units, &pool, make, |unit, part| {
+    run::<Stokes, _>(&kernel, light, &units, &pool, make, |unit, part, _| {
         if unit.first == 0 {
             rows.push(vec![0.0; bins + 1]);
         }
