@@ -3,6 +3,7 @@
 mod film;
 mod generate;
 mod measure;
+mod medium;
 mod numbers;
 mod progress;
 
