@@ -224,6 +224,7 @@ fn help_and_version_name_what_is_there() {
         "--json",
         "--quiet",
         "generate",
+        "materials",
     ] {
         assert!(help.contains(option), "{option}");
     }

@@ -97,7 +97,7 @@ fn material(m: &Table<'_>, name: &str, material: &str) -> Option<Dispersion> {
     let found = media::builtin(material);
     if found.is_none() {
         let hint = suggestion(material, media::builtins().iter().flat_map(|b| b.names.iter().copied()));
-        m.complain(format!("{name}: no built-in material `{material}`{hint}"));
+        m.complain(format!("{name}: no built-in material `{material}`{hint}; `gonio-embree materials` lists them"));
     }
     found.map(Builtin::dispersion)
 }
