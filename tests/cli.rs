@@ -126,6 +126,28 @@ fn the_command_in_the_result_gives_the_result() {
 }
 
 #[test]
+fn a_medium_comes_from_a_file() {
+    let desk = Desk::new("medium");
+    let glass = concat!(env!("CARGO_MANIFEST_DIR"), "/src/media/data/N-BK7.yml");
+    fs::copy(glass, desk.0.join("glass.yml")).unwrap();
+    let measure = |medium: &str, out: &str| {
+        let light = ["--wavelengths", "550", "--trees", "1k", "--json", "-o", out];
+        desk.run(&[&["--mesh", FEATHER, "--medium", medium][..], &light].concat())
+    };
+    let output = measure("platelet=glass.yml", "a.nc");
+    assert_eq!(code(&output), Some(0), "{}", errors(&output));
+    let origin = netcdf::from_bytes(&desk.read("a.nc")).unwrap().provenance;
+    assert!(origin.command.contains("--medium platelet=glass.yml"), "{}", origin.command);
+    assert!(origin.sample_files.iter().any(|file| file.ends_with("glass.yml")), "{:?}", origin.sample_files);
+    let reflected = |output: &Output| {
+        let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+        json["incidences"][0]["reflected"][0].as_f64().unwrap()
+    };
+    let by_index = reflected(&measure("platelet=1.518522+7.24e-9i", "b.nc"));
+    assert!((reflected(&output) - by_index).abs() < 1e-6 && by_index < 0.3, "{by_index}");
+}
+
+#[test]
 fn wrong_usage_says_what_is_wrong_and_how_to_mend_it() {
     let desk = Desk::new("usage");
     desk.write("thin.toml", "[[object]]\nshape = \"sphere\"\nradius = 0\ncenter = [0, 0, 0]\nmedum = \"glas\"\n");
@@ -137,6 +159,7 @@ fn wrong_usage_says_what_is_wrong_and_how_to_mend_it() {
         (&["--mesh", FEATHER, "--trees", "0.5"], "expected a whole number"),
         (&["--mesh", FEATHER, "--medium", "cor=1.5"], "did you mean `core`?"),
         (&["--mesh", FEATHER, "--medium", "core=-1"], "core=-1"),
+        (&["--mesh", FEATHER, "--medium", "core=none.csv"], "--medium core: none.csv: cannot be read"),
         (&["--mesh", FEATHER, "--patch", "3"], "expected two lengths"),
         (&["--mesh", FEATHER, "--backend", "optix"], "expected auto, embree, obvhs or brute"),
         (&["--mesh", FEATHER, "-o", "none/x.nc"], "none/x.nc: cannot be written"),
@@ -201,6 +224,7 @@ fn help_and_version_name_what_is_there() {
         "--json",
         "--quiet",
         "generate",
+        "materials",
     ] {
         assert!(help.contains(option), "{option}");
     }

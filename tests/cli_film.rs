@@ -272,7 +272,8 @@ fn wrong_options_say_what_is_expected() {
         (&[stack, "--wavelengths", "0"], "expected 10 to 1000000 nm"),
         (&["air | N-BK7 50nm | air", "--wavelengths", "200"], "no index at 200 nm: known from 300 to 2500 nm"),
         (&[stack, "--polarization", "x"], "expected unpolarized, s or p"),
-        (&[stack, "--medium", "a"], "expected NAME=INDEX"),
+        (&[stack, "--medium", "a"], "expected NAME=INDEX such as melanin=2.0+0.01i, or NAME=FILE"),
+        (&[stack, "--medium", "a=none.yml"], "--medium a: none.yml: cannot be read: No such file"),
         (&[stack, "--medium", "a=-1"], "expected 0 < n <= 20"),
         (&[stack, "--medium", "2a=1.5"], "expected a name whose words do not begin like a number"),
         (&[stack, "--medium", "a=1.5", "--medium", "a=2"], "--medium a: given twice"),
@@ -305,6 +306,27 @@ fn media_come_by_name_or_index() {
         csv(&over).1.iter().all(|row| row[2].parse::<f64>().unwrap() < 1e-30),
         "a name given goes before a built-in one"
     );
+}
+
+#[test]
+fn media_come_from_files() {
+    let desk = Desk::new("files");
+    let glass = concat!(env!("CARGO_MANIFEST_DIR"), "/src/media/data/N-BK7.yml");
+    fs::copy(glass, desk.0.join("glass.yml")).unwrap();
+    let medium = ["--medium", "lens=glass.yml", "--wavelengths", "300:2500:100", "--csv"];
+    let of = |stack: &str| desk.printed(&[&[stack][..], &medium].concat());
+    assert_eq!(of("air | lens 1um | lens"), of("air | N-BK7 1um | N-BK7"));
+    // Light comes through it, though 1e-8 of k is published.
+    assert!(csv(&of("lens | air 50nm | lens")).1.iter().all(|row| row[4].parse::<f64>().unwrap().abs() < 1e-6));
+    let beyond = desk.complaint(&["air | lens 1um | air", "--medium", "lens=glass.yml", "--wavelengths", "299"]);
+    assert!(beyond.contains("no index at 299 nm: known from 300 to 2500 nm"), "{beyond}");
+    fs::write(desk.0.join("ink.csv"), "nm,n,k\n400,1.5,0.1\n700,1.8,0.1\n").unwrap();
+    let line = ["--wavelengths", "500", "--csv"];
+    let table = desk.printed(&[&["air | ink 80 | air", "--medium", "ink=ink.csv"][..], &line].concat());
+    assert_eq!(table, desk.printed(&[&["air | 1.6+0.1i 80 | air"][..], &line].concat()));
+    fs::write(desk.0.join("ink.csv"), "400,1.5,0.1\n700,1.8,x\n").unwrap();
+    let wrong = desk.complaint(&["air | ink 80 | air", "--medium", "ink=ink.csv"]);
+    assert!(wrong.contains("--medium ink: ink.csv:2: `700,1.8,x`: expected wavelength in nm"), "{wrong}");
 }
 
 #[test]

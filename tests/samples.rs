@@ -10,7 +10,7 @@ use gonio_embree::light::{Coherence, Wavelengths};
 use gonio_embree::sample::description::Sides;
 use gonio_embree::sample::obj::Options;
 use gonio_embree::sample::problem::Problems;
-use gonio_embree::sample::{Description, Sample};
+use gonio_embree::sample::{Description, Matter, Sample};
 use gonio_embree::units::LengthUnit;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
@@ -62,6 +62,16 @@ fn good_samples_are_taken() {
         assert_eq!(problems(&file), Vec::<String>::new(), "{}", file.display());
         assert!(!load(&file).unwrap().solids.is_empty());
     }
+}
+
+/// Published traces of absorption of a glass do not keep light from coming through it.
+#[test]
+fn the_medium_above_is_clear() {
+    let sample = load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/samples/good/index_files.toml")).unwrap();
+    let above = &sample.media[usize::from(sample.above.0)];
+    assert!(above.name == "lens" && !above.absorbs());
+    let slab = sample.solids.iter().find(|s| s.name.contains("slab")).map(|s| s.matter);
+    assert!(matches!(slab, Some(Matter::Medium(id)) if id == sample.above), "one medium, not two: {slab:?}");
 }
 
 #[test]

@@ -12,7 +12,8 @@ use gonio_embree::optics::film::Amplitudes;
 use gonio_embree::output::{atomic, film as output};
 use gonio_embree::plot;
 
-use super::numbers::{NamedIndex, Values};
+use super::medium::NamedMedium;
+use super::numbers::Values;
 use super::{Failure, answer, tell};
 
 /// Options of `film`.
@@ -36,9 +37,10 @@ pub struct Options {
     /// State of polarization: unpolarized, s or p [default: unpolarized]
     #[arg(long)]
     polarization: Option<Polarization>,
-    /// Refractive index of a medium of the stack, such as melanin=2.0+0.01i; may be repeated
-    #[arg(long, value_name = "NAME=INDEX")]
-    medium: Vec<NamedIndex>,
+    /// A medium of the stack: its index, such as melanin=2.0+0.01i, or a file (.yml of refractiveindex.info, .csv); may
+    /// be repeated
+    #[arg(long, value_name = "NAME=INDEX|FILE")]
+    medium: Vec<NamedMedium>,
     /// Print CSV instead of the table
     #[arg(long, conflicts_with = "json")]
     csv: bool,
@@ -114,13 +116,14 @@ impl Options {
 
     fn media(&self) -> Result<Vec<(String, Dispersion)>, Failure> {
         let mut all: Vec<(String, Dispersion)> = Vec::new();
-        for NamedIndex(name, index) in &self.medium {
+        for medium in &self.medium {
+            let name = &medium.name;
             films::check_name(name).map_err(|e| Failure::Input(format!("--medium: {e}")))?;
             let name = name.split_whitespace().collect::<Vec<_>>().join(" ");
             if all.iter().any(|(n, _)| *n == name) {
                 return Err(Failure::Input(format!("--medium {name}: given twice; leave one out")));
             }
-            all.push((name, Dispersion::Constant(*index)));
+            all.push((name, medium.dispersion()?));
         }
         Ok(all)
     }

@@ -15,7 +15,8 @@ use gonio_embree::sample::description::Sides;
 use gonio_embree::sample::{Description, Sample, obj};
 use gonio_embree::units::{self, LengthUnit};
 
-use super::numbers::{Count, NamedIndex, Values};
+use super::medium::NamedMedium;
+use super::numbers::{Count, Values};
 use super::progress::{Line, duration};
 use super::{Failure, answer, tell};
 
@@ -38,9 +39,10 @@ pub struct Options {
     /// Footprint of the beam on a mesh [default: its bounding box]
     #[arg(long, value_name = "W,D", conflicts_with = "sample", help_heading = "Sample")]
     patch: Option<String>,
-    /// Refractive index of a material of a mesh, such as melanin=2.0+0.01i; may be repeated
-    #[arg(long, value_name = "NAME=INDEX", conflicts_with = "sample", help_heading = "Sample")]
-    medium: Vec<NamedIndex>,
+    /// Medium of a material of a mesh: its index, such as melanin=2.0+0.01i, or a file (.yml of refractiveindex.info,
+    /// .csv); may be repeated
+    #[arg(long, value_name = "NAME=INDEX|FILE", conflicts_with = "sample", help_heading = "Sample")]
+    medium: Vec<NamedMedium>,
 
     /// Polar angles of incidence in degrees: start:stop:step (both ends), a list 0,20,75, or one number
     #[arg(long, default_value = "0", allow_hyphen_values = true, value_name = "ANGLES", help_heading = "Light")]
@@ -171,9 +173,12 @@ impl Options {
         let wrong = |e: &dyn std::fmt::Display| Failure::Input(e.to_string());
         match (&self.mesh, &self.sample) {
             (Some(path), _) => {
-                let media = self.medium.iter().map(|NamedIndex(name, index)| (name.clone(), *index)).collect();
+                let media =
+                    self.medium.iter().map(|m| Ok((m.name.clone(), m.dispersion()?))).collect::<Result<_, _>>()?;
                 let options = obj::Options { unit: self.unit, sides: self.sides, patch: self.patch()?, media };
-                Description::from_obj(path, &options).map_err(|e| wrong(&e))
+                let mut description = Description::from_obj(path, &options).map_err(|e| wrong(&e))?;
+                description.files.extend(self.medium.iter().filter_map(NamedMedium::file).map(Path::to_path_buf));
+                Ok(description)
             }
             (None, Some(path)) => Description::from_toml(path).map_err(|e| wrong(&e)),
             (None, None) => Err(Failure::Input("give --mesh FILE.obj or --sample FILE.toml".into())),
@@ -232,7 +237,7 @@ impl Options {
                 add("unit", &self.unit);
                 add("sides", &self.sides);
                 self.patch.iter().for_each(|p| add("patch", p));
-                self.medium.iter().for_each(|NamedIndex(name, n)| add("medium", &format!("{name}={}+{}i", n.re, n.im)));
+                self.medium.iter().for_each(|m| add("medium", m));
             }
             (None, path) => path.iter().for_each(|p| add("sample", &p.display())),
         }

@@ -2,7 +2,9 @@
 
 mod film;
 mod generate;
+mod materials;
 mod measure;
+mod medium;
 mod numbers;
 mod progress;
 
@@ -37,6 +39,8 @@ enum Command {
     Generate(generate::Kind),
     /// Reflectance, transmittance and colour of a stack of films
     Film(film::Options),
+    /// Built-in media, or a file of one: where its numbers come from, and what they are
+    Materials(materials::Options),
 }
 
 /// The version with that of every backend.
@@ -85,6 +89,7 @@ pub fn run() -> ExitCode {
     let done = match &cli.command {
         Some(Command::Generate(kind)) => generate::run(kind),
         Some(Command::Film(options)) => film::run(options),
+        Some(Command::Materials(options)) => materials::run(options),
         None => measure::run(&cli.measure),
     };
     match done {

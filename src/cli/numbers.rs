@@ -1,10 +1,7 @@
-//! Numbers as people type them: ranges, lists, counts, indices.
+//! Numbers as people type them: ranges, lists, counts.
 
 use std::fmt;
 use std::str::FromStr;
-
-use gonio_embree::media::parse_index;
-use gonio_embree::optics::C64;
 
 /// Most values a range may have.
 const MOST_VALUES: f64 = 100_000.0;
@@ -87,19 +84,6 @@ impl FromStr for Count {
 impl fmt::Display for Count {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)
-    }
-}
-
-/// A medium and its index, given as `melanin=2.0+0.01i`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NamedIndex(pub String, pub C64);
-
-impl FromStr for NamedIndex {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (name, index) = text.split_once('=').ok_or("expected NAME=INDEX such as melanin=2.0+0.01i")?;
-        Ok(Self(name.trim().into(), parse_index(index)?))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::tokens::{sign, starts_number};
 use super::{FilmStack, Films, Medium, Span, StackError, Written};
-use crate::media::{Dispersion, builtin, builtins};
+use crate::media::{Builtin, Dispersion, TRANSPARENT, builtin, builtins};
 use crate::optics::C64;
 use crate::optics::film::Layer;
 use crate::sample::problem::suggestion;
@@ -56,9 +56,8 @@ fn dispersion(name: &str, named: &[(String, Dispersion)]) -> Result<Dispersion, 
     if let Some((_, dispersion)) = named.iter().find(|(n, _)| n == name) {
         return Ok(dispersion.clone());
     }
-    builtin(name).map(|b| b.dispersion).ok_or_else(|| {
-        let builtins = builtins();
-        let known = named.iter().map(|(n, _)| &n[..]).chain(builtins.iter().flat_map(|b| b.names.iter().copied()));
+    builtin(name).map(Builtin::dispersion).ok_or_else(|| {
+        let known = named.iter().map(|(n, _)| &n[..]).chain(builtins().iter().flat_map(|b| b.names.iter().copied()));
         let hint = suggestion(name, known);
         format!("found no medium `{name}`{hint}; expected an index, a built-in medium or one of --medium {name}=1.5")
     })
@@ -78,7 +77,7 @@ impl Stack {
         };
         let n: Vec<C64> = self.media.iter().map(index).collect::<Result<_, _>>()?;
         let first = n[self.first];
-        if first.im != 0.0 {
+        if first.im > TRANSPARENT {
             let span = self.media[self.first].span;
             let message =
                 format!("index {first} absorbs: expected a transparent first medium, such as air; turn the stack");

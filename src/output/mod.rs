@@ -3,6 +3,7 @@
 
 pub mod atomic;
 pub mod film;
+pub mod materials;
 mod measured;
 pub mod netcdf;
 pub mod summary;

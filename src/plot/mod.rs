@@ -2,9 +2,11 @@
 
 mod film;
 mod hemisphere;
+mod material;
 mod spectra;
 
 pub use film::film;
+pub use material::{IndexCurve, material};
 
 use plotters::coord::Shift;
 use plotters::prelude::*;

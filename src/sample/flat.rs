@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::description::{Description, Named};
+use super::description::Description;
 use super::limits;
 use super::media_list::{MediaList, MediumId, MediumTable};
 use super::parts::Parts;
@@ -43,21 +43,13 @@ impl Sample {
     pub fn new(description: &Description, wavelengths: &Wavelengths, coherence: Coherence) -> Result<Self, Problems> {
         let mut problems = Problems::default();
         let mut media = MediaList::new(description, wavelengths);
-        let above = media.resolve(&description.above, &mut problems);
+        let above = media.resolve_above(&description.above, &mut problems);
         let below = media.resolve(&description.below, &mut problems);
         let mut parts = Parts::default();
         for object in &description.objects {
             parts.add(object, &mut media, &mut problems);
         }
         parts.add_half_space(description, above, below, &mut problems);
-        if let Some(id) = above
-            && media.tables[usize::from(id.0)].absorbs()
-        {
-            let Named { name, place } = &description.above;
-            problems.push(place.problem(format!(
-                "above = \"{name}\": light must come through a medium that does not absorb; choose one with k = 0"
-            )));
-        }
         limits::sizes(&parts.shapes, &parts.solids).into_iter().for_each(|p| problems.push(p));
         let cell = parts.cell(description, coherence, &mut problems);
         problems.or(())?;

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::description::{Description, Named};
 use super::problem::{Problem, Problems, suggestion};
 use crate::light::Wavelengths;
-use crate::media::{Dispersion, builtin, builtins, check_index};
+use crate::media::{Builtin, Dispersion, NoIndex, TRANSPARENT, builtin, builtins};
 use crate::optics::C64;
 
 /// Largest number of media that differ.
@@ -49,7 +49,32 @@ impl<'a> MediaList<'a> {
         if let Some(id) = self.known.get(&named.name) {
             return *id;
         }
-        let id = self.look_up(named).and_then(|table| self.add(table, named)).map_err(|p| problems.push(p)).ok();
+        self.enter(named, self.look_up(named), problems)
+    }
+
+    /// The number of the medium that light comes through, before all others. Where it is clear but for the traces
+    /// that are published of glasses, it is taken as clear everywhere: the way before the sample has no length.
+    pub(super) fn resolve_above(&mut self, named: &Named, problems: &mut Problems) -> Option<MediumId> {
+        let table = self.look_up(named).and_then(|mut table| {
+            if table.index.iter().any(|n| n.im > TRANSPARENT) {
+                return Err(named.place.problem(format!(
+                    "above = \"{}\": light must come through a medium that does not absorb; choose one with k = 0",
+                    named.name
+                )));
+            }
+            table.index.iter_mut().for_each(|n| n.im = 0.0);
+            Ok(table)
+        });
+        self.enter(named, table, problems)
+    }
+
+    fn enter(
+        &mut self,
+        named: &Named,
+        table: Result<MediumTable, Problem>,
+        problems: &mut Problems,
+    ) -> Option<MediumId> {
+        let id = table.and_then(|table| self.add(table, named)).map_err(|p| problems.push(p)).ok();
         self.known.insert(named.name.clone(), id);
         id
     }
@@ -62,21 +87,21 @@ impl<'a> MediaList<'a> {
         };
         let index: Result<Vec<C64>, _> = self.wavelengths.um().map(|w| dispersion.index(w)).collect();
         let index = index.map_err(|e| {
-            place.problem(format!("medium `{}`: {e}; choose --wavelengths within, or other data", named.name))
+            let remedy = match e {
+                NoIndex::OutOfRange { .. } => {
+                    "choose --wavelengths within, other data, or extrapolate = true under [media]"
+                }
+                NoIndex::Impossible { .. } => "correct its formula",
+            };
+            place.problem(format!("medium `{}`: {e}; {remedy}", named.name))
         })?;
-        if let Some((nm, e)) =
-            self.wavelengths.nm().iter().zip(&index).find_map(|(nm, n)| Some((nm, check_index(*n).err()?)))
-        {
-            return Err(place.problem(format!("medium `{}` at {nm} nm: {e}; correct its formula", named.name)));
-        }
         Ok(MediumTable { name: named.name.clone(), index })
     }
 
     fn built_in(&self, named: &Named) -> Result<Dispersion, Problem> {
-        builtin(&named.name).map(|b| b.dispersion).ok_or_else(|| {
+        builtin(&named.name).map(Builtin::dispersion).ok_or_else(|| {
             let own = self.description.media.iter().map(|m| m.name.as_str());
-            let all = builtins();
-            let hint = suggestion(&named.name, own.chain(all.iter().flat_map(|b| b.names.iter().copied())));
+            let hint = suggestion(&named.name, own.chain(builtins().iter().flat_map(|b| b.names.iter().copied())));
             let message =
                 format!("unknown medium `{0}`{hint}; define it under [media], for example {0} = 1.5", named.name);
             named.place.problem(message)

@@ -11,7 +11,7 @@ use super::mesh::Mesh;
 use super::problem::{Place, Problem, Problems, suggestion};
 use super::reader::LARGEST;
 use crate::geometry::Aabb;
-use crate::media::{self, Dispersion, builtin};
+use crate::media::{self, Builtin, Dispersion, builtin};
 use crate::optics::C64;
 use crate::text;
 use crate::units::LengthUnit;
@@ -29,7 +29,7 @@ pub struct Options {
     /// Size of the footprint of the beam, µm, if not that of the bounding box; it lies around the centre of that.
     pub patch: Option<DVec2>,
     /// Media of materials, by name.
-    pub media: Vec<(String, C64)>,
+    pub media: Vec<(String, Dispersion)>,
 }
 
 /// One `o`, `g` or `usemtl` section.
@@ -240,8 +240,8 @@ impl File {
         let place = Place { file: self.path.clone(), line: self.line_of(&["usemtl"], &material.name) };
         let given = options.media.iter().find(|(name, _)| *name == material.name);
         let dispersion = match (given, builtin(&material.name), material.optical_density) {
-            (Some((_, index)), _, _) => Dispersion::Constant(*index),
-            (None, Some(known), _) => known.dispersion,
+            (Some((_, dispersion)), _, _) => dispersion.clone(),
+            (None, Some(known), _) => Builtin::dispersion(known),
             (None, None, Some(ni)) => {
                 let index = C64::new(ni, 0.0);
                 media::check_index(index)

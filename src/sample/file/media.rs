@@ -5,7 +5,7 @@ use toml::de::DeValue;
 use super::super::description::Medium;
 use super::super::problem::{Place, suggestion};
 use super::super::reader::Table;
-use crate::media::{self, Dispersion};
+use crate::media::{self, Builtin, Dispersion};
 use crate::optics::C64;
 
 pub(super) fn read_media(t: &Table<'_>) -> Vec<Medium> {
@@ -21,7 +21,7 @@ pub(super) fn read_media(t: &Table<'_>) -> Vec<Medium> {
 
 /// Forms of a medium in the file, for messages.
 const MEDIUM_FORMS: &str = "1.5, \"2.0+0.01i\", { n = 1.5, k = 0.01 }, { cauchy_nm = [1.517, 8800] }, \
-                            { csv = \"file\" } or { material = \"keratin\" }";
+                            { file = \"N-BK7.yml\" }, { csv = \"file\" } or { material = \"keratin\" }";
 
 fn read_medium(t: &Table<'_>, name: &str, value: &toml::Spanned<DeValue<'_>>, place: &Place) -> Option<Dispersion> {
     let note = |message: String| -> Option<Dispersion> {
@@ -47,52 +47,63 @@ fn read_medium(t: &Table<'_>, name: &str, value: &toml::Spanned<DeValue<'_>>, pl
 }
 
 /// Keys of [`MEDIUM_FORMS`] that exclude one another.
-const MEDIUM_KEYS: [&str; 4] = ["n", "cauchy_nm", "material", "csv"];
+const MEDIUM_KEYS: [&str; 5] = ["n", "cauchy_nm", "material", "csv", "file"];
 
 fn read_medium_table(m: &Table<'_>, name: &str) -> Option<Dispersion> {
-    let n = m.number("n");
-    let k = m.number("k");
-    let material = m.text("material");
-    let csv = m.text("csv");
-    let cauchy = m.numbers::<2>("cauchy_nm", "two numbers such as [1.517, 8800]");
+    // Every key is asked for, so that none of them is unknown.
+    let (k, extrapolate) = (m.number("k"), m.boolean("extrapolate"));
     let given: Vec<&str> = MEDIUM_KEYS.into_iter().filter(|key| m.get(key).is_some()).collect();
-    if given.len() > 1 {
-        m.complain(format!("{name}: {} exclude one another; keep one of them", given.join(" and ")));
-        return None;
-    }
-    if m.get("k").is_some() && m.get("n").is_none() {
-        m.complain(format!("{name}: k belongs to an index n; write for example {{ n = 1.5, k = 0.01 }}"));
-        return None;
-    }
-    if given.first().is_some_and(|_| n.is_none() && cauchy.is_none() && material.is_none() && csv.is_none()) {
-        // What is wrong with the value has been noted.
-        return None;
-    }
-    if let Some(re) = n {
-        let index = C64::new(re, k.unwrap_or(0.0));
-        return match media::check_index(index) {
-            Ok(()) => Some(Dispersion::Constant(index)),
-            Err(e) => {
-                m.complain(format!("{name}: {e}"));
-                None
-            }
-        };
-    }
-    if let Some([a, b]) = cauchy {
-        return Some(Dispersion::Cauchy { a, b });
-    }
-    if let Some(material) = material {
-        let found = media::builtin(material);
-        if found.is_none() {
-            let all = media::builtins();
-            let hint = suggestion(material, all.iter().flat_map(|b| b.names.iter().copied()));
-            m.complain(format!("{name}: no built-in material `{material}`{hint}"));
+    let key = match given[..] {
+        [key] => key,
+        [] => {
+            m.complain(match m.get("k") {
+                Some(_) => format!("{name}: k belongs to an index n; write for example {{ n = 1.5, k = 0.01 }}"),
+                None => format!("{name}: expected {MEDIUM_FORMS}"),
+            });
+            return None;
         }
-        return found.map(|b| b.dispersion);
+        _ => {
+            m.complain(format!("{name}: {} exclude one another; keep one of them", given.join(" and ")));
+            return None;
+        }
+    };
+    if m.get("k").is_some() && key != "n" {
+        m.complain(format!("{name}: k belongs to an index n, not to {key}; leave it out"));
+        return None;
     }
-    if let Some(csv) = csv {
-        return media::read_csv(&m.source().beside(csv)).map_err(|e| m.complain(format!("{name}: {e}"))).ok();
+    if extrapolate.is_some() && ["n", "cauchy_nm"].contains(&key) {
+        m.complain(format!("{name}: extrapolate is for data of some wavelengths, not for {key}; leave it out"));
+        return None;
     }
-    m.complain(format!("{name}: expected {MEDIUM_FORMS}"));
-    None
+    let dispersion = match key {
+        "n" => constant(m, name, m.number("n")?, k.unwrap_or(0.0)),
+        "cauchy_nm" => {
+            let [a, b] = m.numbers("cauchy_nm", "two numbers such as [1.517, 8800]")?;
+            Some(Dispersion::Cauchy { a, b })
+        }
+        "material" => material(m, name, m.text("material")?),
+        _ => file(m, name, key),
+    }?;
+    Some(if extrapolate == Some(true) { Dispersion::Extrapolated(Box::new(dispersion)) } else { dispersion })
+}
+
+fn constant(m: &Table<'_>, name: &str, n: f64, k: f64) -> Option<Dispersion> {
+    let index = C64::new(n, k);
+    media::check_index(index).map_err(|e| m.complain(format!("{name}: {e}"))).ok()?;
+    Some(Dispersion::Constant(index))
+}
+
+fn material(m: &Table<'_>, name: &str, material: &str) -> Option<Dispersion> {
+    let found = media::builtin(material);
+    if found.is_none() {
+        let hint = suggestion(material, media::builtins().iter().flat_map(|b| b.names.iter().copied()));
+        m.complain(format!("{name}: no built-in material `{material}`{hint}; `gonio-embree materials` lists them"));
+    }
+    found.map(Builtin::dispersion)
+}
+
+fn file(m: &Table<'_>, name: &str, key: &'static str) -> Option<Dispersion> {
+    let path = m.source().beside(m.text(key)?);
+    let read = if key == "csv" { media::read_csv(&path) } else { media::read_file(&path) };
+    read.map(|read| read.dispersion).map_err(|e| m.complain(format!("{name}: {e}"))).ok()
 }
