@@ -180,7 +180,8 @@ fn like_the_twins(stack: Stack) -> Result<(), TestCaseError> {
         let question = collapse::Stack { first, layers: &layers, last, wavelength: WAVELENGTH, p };
         let kz = collapse::kz_by_differences(stack.first, stack.first * stack.cos, kx, stack.cos < 0.7);
         let twin = collapse::matrix_product(&question, kz);
-        if twin.iter().all(|x| x.is_finite()) {
+        // Elements of the matrix are about 1/t: their squares overflow first, and turn into zeros.
+        if twin.iter().all(|x| x.is_finite()) && twin[1].norm() > 1e-100 {
             let error = amplitudes(&a).iter().zip(twin).map(|(x, y)| (x - y).norm()).fold(0.0, f64::max);
             prop_assert!(error <= 1e-11 + 100.0 * stack.noise(), "matrix product: {error:e}");
         }
