@@ -1,5 +1,5 @@
 //! The film solver: time per wavelength and polarization, both sides at once, and how it grows.
-//! `cargo bench --bench film`
+//! `cargo bench --bench film`, or with ` -- --csv` for scripts (`benches/peers`).
 #![allow(missing_docs, clippy::print_stdout)]
 
 use std::hint::black_box;
@@ -63,6 +63,22 @@ fn best(layers: usize, mut solve_all: impl FnMut()) -> f64 {
 }
 
 fn main() {
+    if std::env::args().any(|a| a == "--csv") { csv() } else { table() }
+}
+
+/// For scripts: of one polarization, both sides, many wavelengths at once.
+fn csv() {
+    println!("name,layers,wavelengths,ns_per_lambda_and_polarization");
+    let incidence = Incidence::from_cos(1.0, 30f64.to_radians().cos());
+    for (name, k) in [("lossless", 0.0), ("absorbing", 0.01)] {
+        for layers in [1, 14, 100, 1000] {
+            let [_, lanes] = time(&stack(layers, k), &incidence, C64::new(1.0, 0.0));
+            println!("{name},{layers},{WAVELENGTHS},{:.3}", lanes / 2.0);
+        }
+    }
+}
+
+fn table() {
     let (air, glass) = (C64::new(1.0, 0.0), C64::new(1.5, 0.0));
     let at = |deg: f64| Incidence::from_cos(1.0, deg.to_radians().cos());
     let [one_by_one, base] = time(&stack(14, 0.0), &at(30.0), air);

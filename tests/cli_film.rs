@@ -156,12 +156,25 @@ const HUMMINGBIRD: [(&str, &str); 7] = [
     ("plates_246_abut_air", "air | 7 x (2.0 74nm, 1.5 98nm, 2.0 74nm) | air"),
 ];
 
+/// Seven platelets whose core goes smoothly from index 2 down to `least` and back, in 60 steps.
+fn graded(least: f64, around: f64) -> String {
+    let step = |i: i32| {
+        let sin = (std::f64::consts::PI * (f64::from(i) + 0.5) / 60.0).sin();
+        format!("{} {}nm", 2.0 - (2.0 - least) * sin * sin, 98.0 / 60.0)
+    };
+    let core: Vec<String> = (0..60).map(step).collect();
+    format!("{around} | 7 x (2.0 37nm, {}, 2.0 37nm) | {around}", core.join(", "))
+}
+
 #[test]
 fn morpho_and_hummingbird_at_normal_incidence() {
     let desk = Desk::new("normal");
     let films: Vec<_> = (1..=12).map(|n| (format!("R_{n}films"), morpho(n))).collect();
     compare_normal(&desk, "morpho_normal.csv", &films);
-    let readings: Vec<_> = HUMMINGBIRD.iter().map(|(name, stack)| (format!("R_{name}"), (*stack).into())).collect();
+    let mut readings: Vec<_> = HUMMINGBIRD.iter().map(|(name, stack)| (format!("R_{name}"), (*stack).into())).collect();
+    for (name, least, around) in [("1.0_keratin", 1.0, 1.5), ("1.0_air", 1.0, 1.0), ("1.5_air", 1.5, 1.0)] {
+        readings.push((format!("R_graded_sin2_nmin{name}"), graded(least, around)));
+    }
     compare_normal(&desk, "hummingbird_normal.csv", &readings);
 }
 
@@ -191,6 +204,9 @@ fn morpho_and_hummingbird_over_the_angle() {
     let desk = Desk::new("angles");
     let all = [("R_s", "s"), ("R_p", "p"), ("R_unpol", "unpolarized")];
     compare_angles(&desk, "morpho_angles.csv", "12", &morpho(12), "0:80:5", &all);
+    for films in [1, 2, 3, 6, 9] {
+        compare_angles(&desk, "morpho_angles.csv", &films.to_string(), &morpho(films), "0:80:20", &all);
+    }
     for name in ["humm15_air_air", "plates_abut_air_air"] {
         let stack = HUMMINGBIRD.iter().find(|(n, _)| *n == name).unwrap().1;
         compare_angles(&desk, "hummingbird_angles.csv", name, stack, "0:80:10", &all[..2]);

@@ -1,0 +1,160 @@
+//! Films of absurd numbers, all of them finite and passive: an answer that can be, or none, but never nonsense.
+#![allow(missing_docs)]
+
+use gonio_embree::films::Films;
+use gonio_embree::films::cases::{Case, Direction, read};
+use gonio_embree::optics::C64;
+use gonio_embree::optics::film::Layer;
+use rand::rngs::Xoshiro256PlusPlus;
+use rand::{RngExt, SeedableRng};
+use serde_json::{Value, json};
+
+/// How many powers of ten numbers reach up and down.
+#[derive(Clone, Copy)]
+struct Decades {
+    indices: f64,
+    lengths: f64,
+    angles: f64,
+}
+
+/// Far beyond all media and films there are; any angle.
+const WIDE: Decades = Decades { indices: 2.0, lengths: 6.0, angles: 300.0 };
+/// Beyond what the solver has to answer.
+const WIDER: Decades = Decades { indices: 5.0, lengths: 300.0, angles: 300.0 };
+/// All that double precision holds.
+const WIDEST: Decades = Decades { indices: 300.0, lengths: 300.0, angles: 300.0 };
+
+struct Draw {
+    rng: Xoshiro256PlusPlus,
+    decades: Decades,
+}
+
+impl Draw {
+    fn new(decades: Decades) -> Self {
+        Self { rng: Xoshiro256PlusPlus::seed_from_u64(1), decades }
+    }
+
+    fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.rng.random_range(0..all.len())]
+    }
+
+    fn unit(&mut self) -> f64 {
+        self.rng.random()
+    }
+
+    fn within(&mut self, decades: f64) -> f64 {
+        let between = 10f64.powf(decades * (2.0 * self.unit() - 1.0));
+        self.one_of(&[10f64.powf(decades), 10f64.powf(-decades), 1.0, 1.5, between, between, between, between])
+    }
+
+    fn index(&mut self) -> C64 {
+        let (n, k, usual) = (self.within(self.decades.indices), self.within(self.decades.indices), 1.0 + self.unit());
+        let media = [(n, 0.0), (0.0, k), (n, k), (usual, 0.0), (usual, k)];
+        let (n, k) = self.one_of(&media);
+        C64::new(n, k)
+    }
+
+    fn length(&mut self) -> f64 {
+        100.0 * self.within(self.decades.lengths)
+    }
+
+    /// Sometimes exactly at the critical angle of a layer.
+    fn direction(&mut self, first: f64, layers: &[Layer]) -> Direction {
+        let critical = layers.iter().map(|l| l.index.re).find(|&n| n > 0.0 && n < first).unwrap_or(0.5 * first);
+        let (small, any) = (self.within(self.decades.angles).min(1.0), self.unit());
+        let share = self.one_of(&[0.0, 1.0, small, 1.0 - small, any]);
+        let (angle, cos, kx) = (Direction::Angle(90.0 * share), Direction::Cos(share), Direction::Kx(first * share));
+        self.one_of(&[angle, cos, kx, Direction::Kx(critical)])
+    }
+
+    fn case(&mut self) -> Case {
+        let n = self.within(self.decades.indices);
+        let first = self.one_of(&[1.0, 1.5, n]);
+        let layers: Vec<Layer> = (0..self.rng.random_range(0..7))
+            .map(|_| Layer { index: self.index(), thickness: self.one_of(&[1.0, 1.0, 1.0, 0.0]) * self.length() })
+            .collect();
+        let wavelength = self.length();
+        let wavelength_nm = self.one_of(&[550.0, wavelength]);
+        let (direction, last, p) = (self.direction(first, &layers), self.index(), self.rng.random());
+        Case { id: "extreme".into(), once: Films { first, layers, last, wavelength_nm }, repeat: 1, direction, p }
+    }
+}
+
+/// Whether there is an answer; panics if it cannot be.
+fn answered(case: &Case) -> bool {
+    let a = case.solve();
+    // The program refuses these with an error.
+    if ![a.r, a.t, a.r_back, a.t_back].iter().all(|x| x.is_finite()) {
+        return false;
+    }
+    // Every layer rounds a few times, and fields within may be larger than the flux that they carry.
+    let most = 1.0 + (1e-14 * (case.once.layers.len() * case.repeat) as f64).max(1e-12);
+    let physical = |(r, t): (f64, f64)| r >= 0.0 && t >= 0.0 && r <= most && r + t <= most;
+    let front = (a.reflectance(), a.transmittance());
+    assert!(physical(front), "R, T = {front:?}: {a:?}\n{case:?}");
+    let back = case.back(&a);
+    assert!(back.is_none_or(physical), "from behind R, T = {back:?}: {a:?}\n{case:?}");
+    true
+}
+
+#[test]
+fn wide_numbers_are_answered() {
+    let mut draw = Draw::new(WIDE);
+    for case in (0..30_000).map(|_| draw.case()) {
+        assert!(answered(&case), "no answer: {case:?}");
+    }
+}
+
+#[test]
+fn wider_numbers_are_answered_or_refused() {
+    let mut draw = Draw::new(WIDER);
+    let answers = (0..30_000).filter(|_| answered(&draw.case())).count();
+    assert!(answers > 20_000, "most are answered: {answers}");
+}
+
+#[test]
+fn no_number_makes_it_panic() {
+    let mut draw = Draw::new(WIDEST);
+    for _ in 0..30_000 {
+        draw.case().solve();
+    }
+}
+
+#[test]
+fn ten_thousand_layers() {
+    let mut draw = Draw::new(WIDE);
+    for mut case in (0..150).map(|_| draw.case()) {
+        case.repeat = 10_000 / case.once.layers.len().max(1);
+        assert!(answered(&case), "no answer: {case:?}");
+    }
+}
+
+fn pair(n: C64) -> Value {
+    json!([n.re, n.im])
+}
+
+fn written(case: &Case) -> Value {
+    let (kind, value) = match case.direction {
+        Direction::Angle(x) => ("angle_deg", x),
+        Direction::Cos(x) => ("cos0", x),
+        Direction::Kx(x) => ("kx", x),
+    };
+    let layers: Vec<Value> = case.once.layers.iter().map(|l| json!([l.index.re, l.index.im, l.thickness])).collect();
+    json!({
+        "id": case.id, "pol": if case.p { "p" } else { "s" }, "wavelength_nm": case.once.wavelength_nm,
+        "angle": { "kind": kind, "value": value }, "n_first": [case.once.first, 0.0], "n_last": pair(case.once.last),
+        "layers": layers, "repeat": case.repeat,
+    })
+}
+
+/// A file of cases takes every finite number of a passive stack, and keeps all its digits.
+#[test]
+fn files_hold_all_numbers() {
+    let mut draw = Draw::new(WIDEST);
+    let cases: Vec<Case> = (0..3000).map(|_| draw.case()).collect();
+    let path = std::env::temp_dir().join(format!("gonio-extremes-{}.json", std::process::id()));
+    std::fs::write(&path, json!({ "cases": cases.iter().map(written).collect::<Vec<_>>() }).to_string()).unwrap();
+    let got = read(&path);
+    std::fs::remove_file(&path).unwrap();
+    assert!(got.unwrap() == cases);
+}
