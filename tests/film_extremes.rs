@@ -19,7 +19,7 @@ struct Decades {
 
 /// Far beyond all media and films there are; any angle.
 const WIDE: Decades = Decades { indices: 2.0, lengths: 6.0, angles: 300.0 };
-/// Beyond what the solver has to answer.
+/// Beyond what can be written of a sample.
 const WIDER: Decades = Decades { indices: 5.0, lengths: 300.0, angles: 300.0 };
 /// All that double precision holds.
 const WIDEST: Decades = Decades { indices: 300.0, lengths: 300.0, angles: 300.0 };
@@ -83,8 +83,7 @@ impl Draw {
 /// Whether there is an answer; panics if it cannot be.
 fn answered(case: &Case) -> bool {
     let a = case.solve();
-    // The program refuses these with an error.
-    if ![a.r, a.t, a.r_back, a.t_back].iter().all(|x| x.is_finite()) {
+    if !a.is_finite() {
         return false;
     }
     // Every layer rounds a few times, and fields within may be larger than the flux that they carry.
@@ -106,17 +105,18 @@ fn wide_numbers_are_answered() {
 }
 
 #[test]
-fn wider_numbers_are_answered_or_refused() {
+fn wider_numbers_are_answered() {
     let mut draw = Draw::new(WIDER);
-    let answers = (0..30_000).filter(|_| answered(&draw.case())).count();
-    assert!(answers > 20_000, "most are answered: {answers}");
+    for case in (0..30_000).map(|_| draw.case()) {
+        assert!(answered(&case), "no answer: {case:?}");
+    }
 }
 
 #[test]
-fn no_number_makes_it_panic() {
+fn all_finite_numbers_have_a_finite_answer() {
     let mut draw = Draw::new(WIDEST);
-    for _ in 0..30_000 {
-        draw.case().solve();
+    for case in (0..30_000).map(|_| draw.case()) {
+        assert!(case.solve().is_finite(), "no answer: {case:?}");
     }
 }
 

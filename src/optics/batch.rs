@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use pulp::Simd;
 
 use super::elementary::{exp_m1_negative, exp_split, sin_cos};
-use super::film::{self, Amplitudes, Incidence, Layer, bare};
+use super::film::{self, Amplitudes, Incidence, Layer, MOST_TURNS, MUCH, bare};
 use super::lanes::{Complex, Lanes, Mask, WIDEST};
 use super::{C64, Pair};
 
@@ -111,15 +111,13 @@ impl Solver {
             return;
         }
         self.arch.dispatch(Work { q, sides, steps: &mut self.steps, out });
-        // Numbers beyond the range of the lanes have none in the exponents that are split off one by one.
-        for (w, both) in out.iter_mut().enumerate().filter(|(_, both)| !is_finite(both)) {
-            *both = one_by_one(q, w);
+        // Lanes do not look after numbers whose squares leave the range.
+        for (w, both) in out.iter_mut().enumerate() {
+            if !both.s.is_finite() || !both.p.is_finite() || !(1e-6..1e6).contains(&q.incidences[w].index) {
+                *both = one_by_one(q, w);
+            }
         }
     }
-}
-
-fn is_finite(both: &Pair<Amplitudes>) -> bool {
-    [&both.s, &both.p].iter().all(|a| [a.r, a.t, a.r_back, a.t_back].iter().all(|z| z.is_finite()))
 }
 
 #[cold]
@@ -160,17 +158,39 @@ fn amplitudes(rows: &[[f64; WIDEST]; 9], lane: usize) -> Amplitudes {
     Amplitudes { r: z(0), t: z(2), r_back: z(4), t_back: z(6), flux_ratio: rows[8][lane] }
 }
 
-/// What layers do to fields, U' = c U + b V, V' = c V + g U: rows of lanes, layer by layer.
+/// What layers do to fields: rows of lanes, layer by layer.
 #[derive(Debug, Default)]
 struct Steps {
-    /// Whether c, ib and ig are real.
-    real: Vec<bool>,
-    /// c, then b and g for s, then for p; imaginary parts follow if there are any.
+    layers: Vec<(Kind, usize)>,
     rows: Vec<f64>,
 }
 
-/// Rows kept for each layer.
-const ROWS: usize = 10;
+/// How lanes go through a layer.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    /// Light travels in all: U' = c U + b V, V' = c V + g U with rows c, and ib and ig for s, then for p.
+    Real,
+    /// The same with complex coefficients: all real parts, then all imaginary ones.
+    Complex,
+    /// As two waves: rows e^{2iδ}, and the admittance and its inverse for s, then for p; real parts, then imaginary ones.
+    Waves,
+    /// Some lanes as `Complex`, some as `Waves`: the rows of both, then one that is not 0 where waves count.
+    Mixed,
+}
+
+/// Complex coefficients of a layer.
+const COEFFICIENTS: usize = 5;
+
+impl Kind {
+    /// Number of its rows.
+    fn rows(self) -> usize {
+        match self {
+            Self::Real => COEFFICIENTS,
+            Self::Complex | Self::Waves => 2 * COEFFICIENTS,
+            Self::Mixed => 4 * COEFFICIENTS + 1,
+        }
+    }
+}
 
 /// One block of wavelengths: what is known of them outside the stack.
 struct Block<S: Simd> {
@@ -182,13 +202,24 @@ struct Block<S: Simd> {
     /// k_z² = (n − a)(n + a) + b: a form without cancellation.
     a: Lanes<S>,
     b: Lanes<S>,
-    per_wavelength: Lanes<S>,
+    wavelength: Lanes<S>,
     /// Index and normal wave number of the last medium.
     last: Complex<S>,
     kzn: Complex<S>,
-    /// Sum of the decays and of the turns that complex steps leave out.
+    /// Sum of the decays and of the turns that waves leave out.
     decay: Lanes<S>,
     turns: Lanes<S>,
+}
+
+/// A layer in which some lane does not travel.
+struct Layered<S: Simd> {
+    n: Complex<S>,
+    normal: Normal<S>,
+    kz: Complex<S>,
+    /// Real part of δ without whole turns, and its imaginary part.
+    phase: Lanes<S>,
+    decay: Lanes<S>,
+    length: Lanes<S>,
 }
 
 /// Normal wave number in a layer.
@@ -217,7 +248,7 @@ impl<S: Simd> Block<S> {
             kz0,
             a,
             b,
-            per_wavelength: zero.number(1.0).over(wavelength),
+            wavelength,
             last: Complex::load(s, &q.last().re, &q.last().im, number),
             kzn: Complex::real(zero),
             decay: zero,
@@ -251,60 +282,63 @@ impl<S: Simd> Block<S> {
     /// Fills in the steps through all layers.
     #[inline(always)]
     fn prepare(&mut self, q: &Question<'_>, steps: &mut Steps) {
-        let stride = ROWS * S::F64_LANES;
-        steps.real.clear();
-        if steps.rows.len() < q.films.len() * stride {
-            steps.rows.resize(q.films.len() * stride, 0.0);
-        }
-        for (film, rows) in q.films.iter().zip(steps.rows.chunks_exact_mut(stride)) {
+        steps.layers.clear();
+        let mut end = 0;
+        for film in q.films {
             let Spectrum { re, im, .. } = &q.media[film.medium];
             let n = Complex::load(self.s, re, im, self.number);
             let normal = self.normal(n);
-            let length = self.per_wavelength * film.thickness;
-            let real = normal.travels.all();
-            steps.real.push(real);
-            if real {
-                real_step(n.re, normal.squared.re.sqrt(), length)
-                    .iter()
-                    .enumerate()
-                    .for_each(|(i, x)| x.store(rows, i));
+            let length = n.re.number(film.thickness).over(self.wavelength);
+            let start = end;
+            if normal.travels.all() {
+                end = steps.claim(Kind::Real, start, S::F64_LANES);
+                let step = real_step(n.re, normal.squared.re.sqrt(), length);
+                step.iter().enumerate().for_each(|(i, x)| x.store(&mut steps.rows[start..end], i));
             } else {
-                let step = self.complex_step(n, &normal, length);
-                for (i, z) in step.iter().enumerate() {
-                    z.re.store(rows, i);
-                    z.im.store(rows, i + ROWS / 2);
-                }
+                end = self.prepare_complex(n, normal, length, start, steps);
             }
         }
     }
 
-    /// Any mixture of lanes.
+    /// The step through a layer in which some lane does not travel; returns where its rows end.
     #[inline(always)]
-    fn complex_step(&mut self, n: Complex<S>, normal: &Normal<S>, length: Lanes<S>) -> [Complex<S>; 5] {
-        let kz = self.root(normal);
-        let zero = length.number(0.0);
+    fn prepare_complex(
+        &mut self,
+        n: Complex<S>,
+        normal: Normal<S>,
+        length: Lanes<S>,
+        start: usize,
+        steps: &mut Steps,
+    ) -> usize {
+        let kz = self.root(&normal);
         let (decay, turns) = (kz.im * length * TAU, meaningful(kz.re * length));
-        let whole = turns.round();
-        let (sin, cos) = sin_cos(reduced_phase(turns));
-        // e^{2iδ} − 1: exact for thin layers, −1 for thick ones.
-        let m = exp_m1_negative(decay * -2.0);
-        let half =
-            Complex { re: m * (cos * cos - sin * sin) * 0.5 - sin * sin, im: (m + length.number(1.0)) * sin * cos };
-        let standing = kz.norm_sqr().eq(zero);
-        let b = standing.choose_complex(Complex { re: zero, im: length * -TAU }, -half.over(kz));
-        let c = Complex { re: half.re + length.number(1.0), im: half.im };
-        let (square, g) = (n * n, -(half * kz));
-        let step = [c, b, g, b * square, g.over(square)];
-        let left_out = normal.travels.choose(zero, turns - whole);
-        let sum = self.turns + left_out;
-        self.turns = sum - sum.round();
-        self.decay = self.decay + decay;
-        if !normal.travels.any() {
-            return step;
+        let layer = Layered { n, normal, kz, phase: reduced_phase(turns), decay, length };
+        let much = decay.gt(decay.number(MUCH));
+        let (any, all) = (much.any(), much.all());
+        let kind = if all {
+            Kind::Waves
+        } else if any {
+            Kind::Mixed
+        } else {
+            Kind::Complex
+        };
+        let end = steps.claim(kind, start, S::F64_LANES);
+        let mut rows = &mut steps.rows[start..end];
+        if !all {
+            store(&layer.coefficients(), rows);
+            rows = &mut rows[2 * COEFFICIENTS * S::F64_LANES..];
         }
-        let real = real_step(n.re, normal.squared.re.sqrt(), length);
-        let as_complex = |i: usize| if i == 0 { Complex::real(real[0]) } else { Complex { re: zero, im: -real[i] } };
-        std::array::from_fn(|i| normal.travels.choose_complex(as_complex(i), step[i]))
+        if any {
+            store(&layer.waves(), rows);
+            let zero = decay.number(0.0);
+            let sum = self.turns + much.choose(turns - turns.round(), zero);
+            self.turns = sum - sum.round();
+            self.decay = self.decay + much.choose(decay, zero);
+        }
+        if any && !all {
+            much.choose(decay, decay.number(0.0)).store(rows, 2 * COEFFICIENTS);
+        }
+        end
     }
 
     /// Both directions, for one polarization.
@@ -351,18 +385,26 @@ impl<S: Simd> Block<S> {
     /// Carries fields through all layers: from the back to the front, or the other way.
     #[inline(always)]
     fn sweep(&self, steps: &Steps, mut wave: Wave<S>, p: bool, backwards: bool) -> Wave<S> {
-        let stride = ROWS * S::F64_LANES;
-        let count = steps.real.len();
+        let count = steps.layers.len();
+        let first = if p { 3 } else { 1 };
         for i in 0..count {
-            let layer = if backwards { count - 1 - i } else { i };
-            let rows = &steps.rows[layer * stride..(layer + 1) * stride];
-            let first = if p { 3 } else { 1 };
+            let (kind, start) = steps.layers[if backwards { count - 1 - i } else { i }];
+            let rows = &steps.rows[start..start + kind.rows() * S::F64_LANES];
             let row = |i: usize| Lanes::load(self.s, rows, i);
-            if steps.real[layer] {
-                wave.cross_real(row(0), row(first), row(first + 1));
-            } else {
-                let z = |i: usize| Complex { re: row(i), im: row(i + ROWS / 2) };
-                wave.cross_complex(z(0), z(first), z(first + 1));
+            let z = |at: usize, i: usize| Complex { re: row(at + i), im: row(at + i + COEFFICIENTS) };
+            match kind {
+                Kind::Real => wave.cross_real(row(0), row(first), row(first + 1)),
+                Kind::Complex => wave.cross_complex(z(0, 0), z(0, first), z(0, first + 1)),
+                Kind::Waves => wave.cross_as_waves(z(0, 0), z(0, first), z(0, first + 1)),
+                Kind::Mixed => {
+                    let second = 2 * COEFFICIENTS;
+                    let mut other = wave;
+                    wave.cross_complex(z(0, 0), z(0, first), z(0, first + 1));
+                    other.cross_as_waves(z(second, 0), z(second, first), z(second, first + 1));
+                    let much = row(2 * second).gt(self.n0.number(0.0));
+                    wave.u = much.choose_complex(other.u, wave.u);
+                    wave.v = much.choose_complex(other.v, wave.v);
+                }
             }
             if i % STEPS_PER_RESCALING == STEPS_PER_RESCALING - 1 {
                 wave.rescale();
@@ -370,6 +412,65 @@ impl<S: Simd> Block<S> {
         }
         wave.rescale();
         wave
+    }
+}
+
+impl Steps {
+    /// Makes room for the next layer; returns where its rows end.
+    #[inline(always)]
+    fn claim(&mut self, kind: Kind, start: usize, lanes: usize) -> usize {
+        let end = start + kind.rows() * lanes;
+        if self.rows.len() < end {
+            self.rows.resize(end.next_power_of_two(), 0.0);
+        }
+        self.layers.push((kind, start));
+        end
+    }
+}
+
+#[inline(always)]
+fn store<S: Simd>(step: &[Complex<S>; COEFFICIENTS], rows: &mut [f64]) {
+    for (i, z) in step.iter().enumerate() {
+        z.re.store(rows, i);
+        z.im.store(rows, i + COEFFICIENTS);
+    }
+}
+
+impl<S: Simd> Layered<S> {
+    /// c, b and g; real ones where light travels.
+    #[inline(always)]
+    fn coefficients(&self) -> [Complex<S>; COEFFICIENTS] {
+        let Self { n, kz, length, .. } = *self;
+        let zero = length.number(0.0);
+        let (sin, cos) = sin_cos(self.phase);
+        // cosh and sinh of the decay, from e^−x − 1.
+        let m = exp_m1_negative(-self.decay);
+        let twice = (m + m.number(1.0)) * 2.0;
+        let (rise, sinh) = ((m * m).over(twice), -(m * (m + m.number(2.0))).over(twice));
+        let cosh = rise + m.number(1.0);
+        let (c, s) = (Complex { re: cos * cosh, im: -(sin * sinh) }, Complex { re: sin * cosh, im: cos * sinh });
+        let minus_i = |z: Complex<S>| Complex { re: z.im, im: -z.re };
+        let standing = kz.norm_sqr().eq(zero);
+        let b = standing.choose_complex(Complex { re: zero, im: length * -TAU }, minus_i(s.over(kz)));
+        let (square, g) = (n * n, minus_i(s * kz));
+        let step = [c, b, g, b * square, g.over(square)];
+        if !self.normal.travels.any() {
+            return step;
+        }
+        let real = real_step(n.re, self.normal.squared.re.sqrt(), length);
+        let as_complex = |i: usize| if i == 0 { Complex::real(real[0]) } else { Complex { re: zero, im: -real[i] } };
+        std::array::from_fn(|i| self.normal.travels.choose_complex(as_complex(i), step[i]))
+    }
+
+    /// e^{2iδ}, and the admittance and its inverse.
+    #[inline(always)]
+    fn waves(&self) -> [Complex<S>; COEFFICIENTS] {
+        let (sin, cos) = sin_cos(self.phase);
+        let (mantissa, twos) = exp_split(self.decay * 2.0);
+        let size = mantissa * twos.max(twos.number(-1022.0)).power_of_two();
+        let round_trip = Complex { re: (cos * cos - sin * sin) * size, im: sin * cos * 2.0 * size };
+        let (square, inverse) = (self.n * self.n, self.kz.inverse());
+        [round_trip, self.kz, inverse, self.kz.over(square), inverse * square]
     }
 }
 
@@ -385,9 +486,6 @@ fn real_step<S: Simd>(n: Lanes<S>, kz: Lanes<S>, length: Lanes<S>) -> [Lanes<S>;
     let (b, g) = (sin.over(kz), kz * sin);
     [cos, b, g, b * square, g.over(square)]
 }
-
-/// Beyond, whole turns cannot be told from the last bits.
-const MOST_TURNS: f64 = 1e15;
 
 /// Turns of which something can be said, else none.
 #[inline(always)]
@@ -424,6 +522,17 @@ impl<S: Simd> Wave<S> {
         let Self { u, v, .. } = *self;
         self.u = Complex { re: u.re * c + v.im * b, im: u.im * c - v.re * b };
         self.v = Complex { re: v.re * c + u.im * g, im: v.im * c - u.re * g };
+    }
+
+    /// The wave that grows on the way stays, the other one is multiplied by e^{2iδ}; see [`film`].
+    #[inline(always)]
+    fn cross_as_waves(&mut self, round_trip: Complex<S>, q: Complex<S>, inverse: Complex<S>) {
+        let Self { u, v, .. } = *self;
+        let w = v * inverse;
+        let half = u.re.number(0.5);
+        let (growing, decaying) = ((u + w).times(half), (u - w).times(half) * round_trip);
+        self.u = growing + decaying;
+        self.v = (growing - decaying) * q;
     }
 
     #[inline(always)]
