@@ -600,25 +600,23 @@ impl Primitives {
         }
     }
 
-    /// Distance of two faces that are parallel to the last bit: in planes of one normal, of spheres of one centre, or of
-    /// round mantles of one axis, µm.
-    pub fn separation(&self, a: Crossing, b: Crossing) -> Option<f64> {
-        let [p, q] = [a, b].map(|c| self.plane(self.faces(c.prim)[usize::from(c.face)]));
-        if let (Some(p), Some(q)) = (p, q) {
-            return match q.normal {
-                n if n == p.normal => Some((p.offset - q.offset).abs()),
-                n if n == -p.normal => Some((p.offset + q.offset).abs()),
-                _ => None,
-            };
+    /// Distance of two surfaces that are parallel to the last bit: planes of one normal, or, by primitives whose faces
+    /// they are, spheres of one centre and round mantles of one axis; µm.
+    #[inline]
+    pub fn separation(&self, a: (SurfaceId, PrimId), b: (SurfaceId, PrimId)) -> Option<f64> {
+        match (self.plane(a.0), self.plane(b.0)) {
+            (Some(p), Some(q)) if q.normal == p.normal => Some((p.offset - q.offset).abs()),
+            (Some(p), Some(q)) if q.normal == -p.normal => Some((p.offset + q.offset).abs()),
+            (None, None) => self.separation_of_curved(a.1, b.1),
+            _ => None,
         }
-        match (self.shape(a.prim), self.shape(b.prim)) {
+    }
+
+    fn separation_of_curved(&self, a: PrimId, b: PrimId) -> Option<f64> {
+        match (self.shape(a), self.shape(b)) {
             (Shape::Sphere(s), Shape::Sphere(t)) if s.center == t.center => Some((s.radius - t.radius).abs()),
             (Shape::Cylinder(s), Shape::Cylinder(t))
-                if p.is_none()
-                    && q.is_none()
-                    && s.is_round()
-                    && t.is_round()
-                    && (s.from, s.axis) == (t.from, t.axis) =>
+                if s.is_round() && t.is_round() && (s.from, s.axis) == (t.from, t.axis) =>
             {
                 Some((s.radii[0] - t.radii[0]).abs())
             }

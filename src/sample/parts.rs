@@ -272,7 +272,7 @@ impl Parts {
 /// The middle of two heights, to a millionth of their distance: a number without the rounding that the ends of bodies have
 /// far from the origin, so that a moved sample becomes the same numbers when it is moved back.
 fn middle((bottom, top): (f64, f64)) -> f64 {
-    let step = 2f64.powi((top - bottom).log2().ceil() as i32 - 20);
+    let step = 2f64.powi(((top - bottom).log2().ceil() as i32).saturating_sub(20));
     let middle = 0.5 * (bottom + top);
     if step > 0.0 { (middle / step).round() * step } else { middle }
 }

@@ -73,6 +73,8 @@ pub struct Reach {
     pub depth: f64,
     /// Difference of optical paths, there and back, µm.
     pub coherence: f64,
+    /// Whether the edges of the stack will be asked for.
+    pub edges: bool,
 }
 
 /// What is asked: the same for all searches of a run.
@@ -116,6 +118,8 @@ struct Met<'a> {
     /// The medium behind it.
     next: MediumId,
     inside: &'a Inside,
+    /// Whether the edges of the stack will be asked for.
+    edges: bool,
 }
 
 impl Finder {
@@ -156,6 +160,7 @@ impl Finder {
             Probe::Normal => self.search_along_normal(world, start, reach),
             Probe::Refracted => self.search_along_rays(world, start, reach),
         }
+        self.settle(world);
         !self.stack.layers.is_empty()
     }
 
@@ -164,7 +169,7 @@ impl Finder {
         stack.layers.clear();
         stack.within.clear();
         (stack.last, stack.exit, stack.walked) = (second, start.point, 0.0);
-        (stack.crossing, stack.shift) = (start.crossing, [0, 0]);
+        (stack.crossing, stack.surface, stack.shift) = (start.crossing, start.surface, [0, 0]);
         (stack.uniform, stack.bounded) = (true, false);
         stack.inside.clone_from(start.inside);
     }
@@ -181,9 +186,11 @@ impl Finder {
                 None => break,
                 Some(next) if next == self.stack.last => continue,
                 Some(next) => {
-                    let (thickness, uniform) = self.thickness(world, quantized(order.t) - quantized(depth));
+                    let (thickness, uniform) =
+                        self.thickness(world, order.surface, quantized(order.t) - quantized(depth));
                     path += self.path(world, start, thickness);
-                    let met = Met { probe: down, cos: 1.0, order, thickness, uniform, next, inside: &inside };
+                    let edges = reach.edges;
+                    let met = Met { probe: down, cos: 1.0, order, thickness, uniform, next, inside: &inside, edges };
                     if path > reach.coherence || !self.add(world, start, &met) {
                         break;
                     }
@@ -209,10 +216,12 @@ impl Finder {
                 match self.cross(world, &mut inside, interface) {
                     Some(next) if next == self.stack.last => continue,
                     Some(next) => {
-                        let (thickness, uniform) = self.thickness(world, quantized(order.t * cos));
+                        let (thickness, uniform) = self.thickness(world, order.surface, quantized(order.t * cos));
                         path += self.path(world, start, thickness);
-                        let met = Met { probe, cos, order, thickness, uniform, next, inside: &inside };
+                        let edges = reach.edges;
+                        let met = Met { probe, cos, order, thickness, uniform, next, inside: &inside, edges };
                         went_on = path <= reach.coherence && self.add(world, start, &met);
+                        self.settle(world);
                         went_on = went_on && self.come_home(world);
                         (depth, surface) = (depth + thickness, self.stack.surface);
                     }
@@ -225,6 +234,12 @@ impl Finder {
             }
         }
         self.found = found;
+    }
+
+    /// Moves the point where the probe is onto its surface, from which it is off by rounding.
+    fn settle(&mut self, world: &World<'_>) {
+        let Stack { crossing, surface, exit, .. } = self.stack;
+        self.stack.exit = world.scene.primitives().snap(crossing, surface, exit);
     }
 
     /// Moves a probe that has gone beyond a seam; says whether it can go on.
@@ -256,8 +271,9 @@ impl Finder {
 
     /// Thickness of the layer in front of the interface at hand: from its faces, if they are parallel to the last bit (then
     /// it is the same everywhere), else as `probed`.
-    fn thickness(&self, world: &World<'_>, probed: f64) -> (f64, bool) {
-        match world.scene.primitives().separation(self.stack.crossing, self.crossings[0]) {
+    fn thickness(&self, world: &World<'_>, surface: SurfaceId, probed: f64) -> (f64, bool) {
+        let before = (self.stack.surface, self.stack.crossing.prim);
+        match world.scene.primitives().separation(before, (surface, self.crossings[0].prim)) {
             // The far side of a sphere is not what is meant.
             Some(thickness) if (thickness - probed).abs() < SAME => (thickness, true),
             _ => (probed, false),
@@ -276,15 +292,20 @@ impl Finder {
         let primitives = world.scene.primitives();
         let (crossing, Order { t, surface }) = (self.crossings[0], met.order);
         let point = met.probe.at(t);
-        let aligned = primitives.normal(crossing.prim, crossing.face, point).dot(start.normal).abs();
-        if aligned < PARALLEL || !self.is_flat_enough(world, start, met, point) {
+        let normal = match primitives.plane(surface) {
+            Some(plane) => plane.normal,
+            None => primitives.normal(crossing.prim, crossing.face, point),
+        };
+        if normal.dot(start.normal).abs() < PARALLEL || !self.is_flat_enough(world, start, met, point) {
             return false;
         }
         let stack = &mut self.stack;
-        stack.within.push(stack.inside.clone());
+        if met.edges {
+            stack.within.push(stack.inside.clone());
+        }
         stack.layers.push(Film { medium: usize::from(stack.last.0), thickness: met.thickness });
         (stack.last, stack.surface, stack.crossing) = (met.next, surface, crossing);
-        stack.exit = primitives.snap(crossing, surface, point);
+        stack.exit = point;
         stack.walked += t * other_leg(met.cos);
         stack.uniform &= met.uniform;
         stack.bounded |= primitives.locate(crossing.prim).0 != Kind::Layer;
@@ -296,11 +317,11 @@ impl Finder {
     /// h/R < 0.02 and s h/R < λ/16.
     fn is_flat_enough(&self, world: &World<'_>, start: &Start<'_>, met: &Met<'_>, point: DVec3) -> bool {
         let primitives = world.scene.primitives();
-        let curvature = |c: Crossing, p: DVec3| primitives.curvature(c.prim, c.face, p);
-        let curvature = curvature(self.crossings[0], point).max(curvature(start.crossing, start.point));
-        if curvature == 0.0 {
+        if [start.surface, met.order.surface].iter().all(|&s| primitives.plane(s).is_some()) {
             return true;
         }
+        let curvature = |c: Crossing, p: DVec3| primitives.curvature(c.prim, c.face, p);
+        let curvature = curvature(self.crossings[0], point).max(curvature(start.crossing, start.point));
         let kx = world.media.index(start.first, start.lane).re * start.slant.sin;
         let films = self.stack.layers.iter().map(|l| (MediumId(l.medium as u16), l.thickness));
         let (mut depth, mut aside) = (0.0, 0.0);

@@ -53,7 +53,7 @@ const SPLIT_ABOVE: f64 = 1e-9;
 const EDGE: u32 = 2;
 const COHERENCE: u32 = 3;
 /// One in so many trees looks for the edges of films that are only to be told of.
-const SAMPLED: f64 = 16.0;
+const SAMPLED: f64 = 64.0;
 
 /// Below this sine of the angle of incidence any plane of incidence will do.
 const NORMAL: f64 = 1e-12;
@@ -175,18 +175,18 @@ impl<F: Field, R: Recorder<F>> Partition<'_, '_, F, R> {
         let kernel = self.kernel;
         let rules = &kernel.plan.films;
         let coherence = rules.coherence.length(decision(self.numbers.key, 0, 0, COHERENCE));
-        let reach = Reach { depth: kernel.sample.cell.reach, coherence };
-        let world = kernel.world();
-        if !films.search(&world, start, reach) {
-            return false;
-        }
         let told = self.stream.flights[self.slot].edge;
-        let (look, weight) = match rules.edges {
+        let (edges, weight) = match rules.edges {
             Edges::Reject => (true, 1.0),
             // Only told, so some trees stand for all.
             Edges::Column => (!told && decision(self.numbers.key, 0, 0, EDGE) < 1.0 / SAMPLED, SAMPLED),
         };
-        if !look || !films.near_edge(&world, start) {
+        let reach = Reach { depth: kernel.sample.cell.reach, coherence, edges };
+        let world = kernel.world();
+        if !films.search(&world, start, reach) {
+            return false;
+        }
+        if !edges || !films.near_edge(&world, start) {
             return true;
         }
         if !std::mem::replace(&mut self.stream.flights[self.slot].edge, true) {
