@@ -1,4 +1,4 @@
-//! Text files, read whole but not without bounds.
+//! Text: files, read whole but not without bounds, and choices written as words.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
@@ -19,4 +19,47 @@ pub fn read(path: &Path, most: u64) -> Result<String, String> {
         return Err(format!("is larger than {} MB: more is not taken", most >> 20));
     }
     Ok(text)
+}
+
+/// The words one may choose from, as in `a, b or c`.
+pub fn one_of(words: &[&str]) -> String {
+    match words {
+        [first @ .., before, last] => [first, &[&format!("{before} or {last}")]].concat().join(", "),
+        _ => words.join(""),
+    }
+}
+
+/// Makes an enumeration one that is written, and read, as one of some words.
+macro_rules! words {
+    ($type:ty { $($variant:ident = $word:literal),+ $(,)? }) => {
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(match self { $(Self::$variant => $word),+ })
+            }
+        }
+
+        impl std::str::FromStr for $type {
+            type Err = String;
+
+            fn from_str(s: &str) -> Result<Self, String> {
+                match s {
+                    $($word => Ok(Self::$variant),)+
+                    _ => Err(format!("`{s}`: expected {}", $crate::text::one_of(&[$($word),+]))),
+                }
+            }
+        }
+    };
+}
+pub(crate) use words;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_read_like_a_sentence() {
+        assert_eq!(one_of(&["a", "b", "c"]), "a, b or c");
+        assert_eq!(one_of(&["a", "b"]), "a or b");
+        assert_eq!(one_of(&["a"]), "a");
+    }
 }

@@ -1,9 +1,8 @@
 //! The light: its wavelengths, directions of incidence, polarization and bandwidth.
 
-use std::fmt;
-use std::str::FromStr;
-
 use glam::DVec3;
+
+use crate::text::words;
 
 /// What shines on the sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,28 +121,7 @@ pub enum Polarization {
     P,
 }
 
-impl fmt::Display for Polarization {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Unpolarized => "unpolarized",
-            Self::S => "s",
-            Self::P => "p",
-        })
-    }
-}
-
-impl FromStr for Polarization {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "unpolarized" => Ok(Self::Unpolarized),
-            "s" => Ok(Self::S),
-            "p" => Ok(Self::P),
-            _ => Err(format!("`{s}`: expected unpolarized, s or p")),
-        }
-    }
-}
+words!(Polarization { Unpolarized = "unpolarized", S = "s", P = "p" });
 
 /// What each wavelength of the grid stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,26 +132,7 @@ pub enum SourceMode {
     Line,
 }
 
-impl fmt::Display for SourceMode {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Band => "band",
-            Self::Line => "line",
-        })
-    }
-}
-
-impl FromStr for SourceMode {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "band" => Ok(Self::Band),
-            "line" => Ok(Self::Line),
-            _ => Err(format!("`{s}`: expected band or line")),
-        }
-    }
-}
+words!(SourceMode { Band = "band", Line = "line" });
 
 /// Band of a single wavelength, nm: that of the default grid.
 const LONELY_BAND_NM: f64 = 20.0;

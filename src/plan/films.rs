@@ -1,9 +1,7 @@
 //! How films are found and what is done at their edges.
 
-use std::fmt;
-use std::str::FromStr;
-
 use crate::light::Coherence;
+use crate::text::words;
 
 /// Along what stacks are searched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,6 +13,8 @@ pub enum Probe {
     Refracted,
 }
 
+words!(Probe { Normal = "normal", Refracted = "refracted" });
+
 /// What is done where a layer ends so near that light which goes to and fro in the stack would get there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Edges {
@@ -24,6 +24,8 @@ pub enum Edges {
     /// There is no stack: light is followed from interface to interface, without interference.
     Reject,
 }
+
+words!(Edges { Column = "column", Reject = "reject" });
 
 /// What the plan says about films.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,46 +38,4 @@ pub struct FilmRules {
     pub coherence: Coherence,
     /// Whether stacks on curved faces are worth a table over the angle: there are few different ones.
     pub tables: bool,
-}
-
-impl fmt::Display for Probe {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Normal => "normal",
-            Self::Refracted => "refracted",
-        })
-    }
-}
-
-impl FromStr for Probe {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "normal" => Ok(Self::Normal),
-            "refracted" => Ok(Self::Refracted),
-            _ => Err(format!("`{s}`: expected normal or refracted")),
-        }
-    }
-}
-
-impl fmt::Display for Edges {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Column => "column",
-            Self::Reject => "reject",
-        })
-    }
-}
-
-impl FromStr for Edges {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "column" => Ok(Self::Column),
-            "reject" => Ok(Self::Reject),
-            _ => Err(format!("`{s}`: expected column or reject")),
-        }
-    }
 }

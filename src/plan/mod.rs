@@ -4,11 +4,9 @@ pub mod features;
 pub mod films;
 pub mod stacks;
 
-use std::fmt;
-use std::str::FromStr;
-
 use crate::light::Light;
 use crate::sample::{Matter, MediumId, Sample};
+use crate::text::words;
 use features::Features;
 pub use films::{Edges, FilmRules, Probe};
 use stacks::Marks;
@@ -72,26 +70,7 @@ pub enum Wanted {
     All,
 }
 
-impl fmt::Display for Wanted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Auto => "auto",
-            Self::All => "all",
-        })
-    }
-}
-
-impl FromStr for Wanted {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "auto" => Ok(Self::Auto),
-            "all" => Ok(Self::All),
-            _ => Err(format!("`{s}`: expected auto or all")),
-        }
-    }
-}
+words!(Wanted { Auto = "auto", All = "all" });
 
 /// What rays carry per wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use super::mesh::Mesh;
 use super::problem::Place;
 use crate::media::Dispersion;
+use crate::text::words;
 
 /// A sample before it is checked and flattened.
 #[derive(Clone, Debug)]
@@ -68,26 +69,7 @@ pub enum Sides {
     Open,
 }
 
-impl std::fmt::Display for Sides {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Periodic => "periodic",
-            Self::Open => "open",
-        })
-    }
-}
-
-impl std::str::FromStr for Sides {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "periodic" => Ok(Self::Periodic),
-            "open" => Ok(Self::Open),
-            _ => Err(format!("`{s}`: expected periodic or open")),
-        }
-    }
-}
+words!(Sides { Periodic = "periodic", Open = "open" });
 
 /// A body, or a stack of films.
 #[derive(Clone, Debug)]
