@@ -14,7 +14,7 @@ use gonio_embree::optics::C64;
 use gonio_embree::optics::field::Jones;
 use gonio_embree::optics::film::{Incidence, Layer, solve};
 use gonio_embree::plan::stacks::Marks;
-use gonio_embree::plan::{Limits, Options, Plan};
+use gonio_embree::plan::{Limits, Name, Options, Plan, Wanted};
 use gonio_embree::sample::Sample;
 use gonio_embree::trace::TreeKey;
 
@@ -45,10 +45,14 @@ impl Stack<'_> {
 /// Every path of an amplitude above 1e-14: what is left out adds up to less than 1e-9.
 fn enumerate(sample: &Sample, light: &Light) -> Heard<Jones> {
     let limits = Limits { splits: u32::MAX, faintest: 1e-28, ..Limits::default() };
-    let mut plan = Plan::new(sample, light, &Options { limits, ..Options::default() });
+    let mut plan = Plan::new(
+        sample,
+        light,
+        &Options { limits, wanted: Wanted::AUTO.with(Name::Phase, true), ..Options::default() },
+    );
     plan.marks = Marks::default();
     let entry = ([0.3, 0.6], TreeKey { key: 1, first: [0.5; 2] });
-    listen_to(&plan, true, sample, light, Backend::auto(), &vec![entry])
+    listen_to(&plan, sample, light, Backend::auto(), &vec![entry])
 }
 
 /// Sum of the fields that leave upwards, or downwards, into a medium of index `outside`, along the polarization of the

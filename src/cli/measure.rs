@@ -83,7 +83,7 @@ pub struct Options {
     #[arg(long, default_value = "column", value_name = "HOW", help_heading = "Work")]
     edges: Edges,
     /// Degrees by which the direction of a wavelength may differ from that of the ray it shares with others; 0: none share
-    /// [default: a quarter of a facet of the dome]
+    /// [default: an eighth of a facet of the dome]
     #[arg(long, value_name = "DEG", help_heading = "Work")]
     spread: Option<f64>,
     /// Finest level of the geodesic dome; its facets are 63°/2^level wide

@@ -53,9 +53,9 @@ fn percent(share: f64) -> String {
     format!("{digits} % of the light")
 }
 
-/// Trees per incidence of a quick look, and of one that can prove something: some percent of the whole work.
+/// Trees per incidence of a quick look, and of one that can prove something: 3 % of the whole work.
 fn stages(trees: u64) -> [u32; 2] {
-    [(trees / 256).clamp(16, 512) as u32, (trees / 16).clamp(16, 16_384) as u32].map(|n| n.next_multiple_of(BATCHES))
+    [(trees / 256).clamp(16, 512) as u32, (trees / 32).clamp(16, 8192) as u32].map(|n| n.next_multiple_of(BATCHES))
 }
 
 /// What an effect changes, as a share of the reflected or the transmitted light.
@@ -77,12 +77,13 @@ fn look(bench: &Bench<'_>, plan: &Plan, name: Name, trees: u32) -> Finding {
 
 impl Finding {
     fn new(changes: &[Change], trees: u32) -> Self {
-        // What is so rare that no tree has shown it: with 95 % certainty less than 3 of so many.
+        // What is so rare that no tree has shown it: with 95 % certainty less than 3 of so many, of which each is taken to
+        // send as much light here as the others, and to lose all of it.
         let unseen = 3.0 / f64::from(trees);
         let seen = changes.iter().filter(|c| c.light > FAINT);
         seen.fold(Self { least: 0.0, most: 0.0 }, |f, c| Self {
             least: f.least.max((c.change - SIGMAS * c.se) / c.light),
-            most: f.most.max((c.change + SIGMAS * c.se + unseen) / c.light),
+            most: f.most.max((c.change + SIGMAS * c.se) / c.light + unseen),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::stacks::Marks;
 use super::wanted::Wanted;
+use crate::geometry::Shape;
 use crate::light::{Light, Polarization};
 use crate::sample::{Matter, MediumId, Sample};
 use crate::text::words;
@@ -100,7 +101,7 @@ pub(super) fn judge(sample: &Sample, light: &Light, marks: &Marks, wanted: &Want
     let finder = Effect { name: Name::Finder, ..finder(marks, interference.on) };
     vec![
         interference,
-        polarization(light).wanted(wanted),
+        polarization(sample, light).wanted(wanted),
         Effect::new(Name::Phase, false, "films are solved with their phases; rays are summed as intensities")
             .wanted(wanted),
         dispersion(sample).wanted(wanted),
@@ -127,11 +128,31 @@ fn finder(marks: &Marks, interferes: bool) -> Effect {
     }
 }
 
-fn polarization(light: &Light) -> Effect {
+fn polarization(sample: &Sample, light: &Light) -> Effect {
     match light.polarization {
         Polarization::Mueller => Effect::new(Name::Polarization, true, "Mueller matrices are asked for"),
+        Polarization::Unpolarized if is_one_event(sample, light) => {
+            let reason = "one plane interface or film divides unpolarized light once: the means of s and p are exact";
+            Effect::new(Name::Polarization, false, reason)
+        }
         _ => Effect::new(Name::Polarization, true, "interfaces polarize").open(true),
     }
+}
+
+/// Whether all light meets one plane interface, or one stack of films that is coherent as a whole, and nothing else.
+fn is_one_event(sample: &Sample, light: &Light) -> bool {
+    if sample.primitives.bounded_count() > 0 || sample.has_opaque_surface() {
+        return false;
+    }
+    let shapes = sample.primitives.ids().map(|id| sample.primitives.shape(id));
+    let ends = shapes.flat_map(|shape| match shape {
+        Shape::Layer(layer) => [layer.bottom, layer.top],
+        _ => [f64::NAN; 2],
+    });
+    let (low, high) = ends.filter(|z| z.is_finite()).fold((f64::MAX, f64::MIN), |(l, h), z| (l.min(z), h.max(z)));
+    let densest = sample.media.iter().flat_map(|m| &m.index).map(|n| n.norm()).fold(1.0, f64::max);
+    // Up to where all trees interfere.
+    high == low || 2.0 * densest * (high - low) <= light.coherence().length(0.0)
 }
 
 /// Media in which light travels, with whether it ends there.

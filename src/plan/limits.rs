@@ -21,10 +21,10 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// A quarter of the width of the facets of a dome of this level, rad: what one can hardly see.
+    /// An eighth of the width of the facets of a dome of this level, rad: what one can hardly see.
     pub fn spread_for(dome_level: u8) -> f64 {
         let facets = 20.0 * f64::from(4u32.pow(dome_level.into()));
-        0.25 * (4.0 * std::f64::consts::PI / facets).sqrt()
+        0.125 * (4.0 * std::f64::consts::PI / facets).sqrt()
     }
 }
 

@@ -69,9 +69,14 @@ impl Sample {
     pub fn has_opaque(&self) -> bool {
         let opaque = |s: &Solid| match s.matter {
             Matter::Medium(id) => self.media[usize::from(id.0)].is_opaque(),
-            Matter::Diffuse(_) | Matter::Mirror(_) => true,
+            Matter::Diffuse(_) | Matter::Mirror(_) => false,
         };
-        self.solids.iter().any(opaque) || self.media[usize::from(self.below.0)].is_opaque()
+        self.has_opaque_surface() || self.solids.iter().any(opaque) || self.media[usize::from(self.below.0)].is_opaque()
+    }
+
+    /// Whether some body reflects by a rule of its own instead of by its medium.
+    pub fn has_opaque_surface(&self) -> bool {
+        self.solids.iter().any(|s| !matches!(s.matter, Matter::Medium(_)))
     }
 
     /// The repetition of a primitive that is `shift` periods away, if it is near enough to be there. Along an axis on which

@@ -9,7 +9,7 @@ use super::stream::{Border, Flight};
 use crate::geometry::{Crossing, Order, Query, Ray, SurfaceId};
 use crate::intersect::Scene;
 use crate::light::Light;
-use crate::plan::Plan;
+use crate::plan::{Name, Plan};
 use crate::sample::Sample;
 use crate::sample::tiling::Cell;
 
@@ -24,6 +24,7 @@ pub struct Kernel<'a> {
     shared: Vec<bool>,
     /// How far sideways a ray may get: in periods, or, in an open sample, µm from the centre.
     far: DVec2,
+    /// Whether lengths are reported at exits, from which the phase follows.
     pub(super) follow_phase: bool,
 }
 
@@ -43,13 +44,7 @@ impl<'a> Kernel<'a> {
         let media = Media::new(plan, &wavelengths);
         let (solids, shared) = (Solids::new(sample), shared_surfaces(scene));
         let far = plan.limits.walk * furthest(&sample.cell);
-        Self { scene, sample, plan, solids, media, shared, far, follow_phase: false }
-    }
-
-    /// The same, with lengths reported at exits, from which the phase follows.
-    #[must_use]
-    pub fn with_phase(self) -> Self {
-        Self { follow_phase: true, ..self }
+        Self { scene, sample, plan, solids, media, shared, far, follow_phase: plan.has(Name::Phase) }
     }
 
     /// The plan.

@@ -38,7 +38,8 @@ pub struct Flight {
     pub walk: [i32; 2],
     /// What ends its way if no interface does.
     pub border: Border,
-    /// By how much its direction may be off from that of one of its lanes, all refractions together, rad.
+    /// By how much its direction may be off from that of one of its lanes, rad: the root of the sum of the squares of what
+    /// each refraction has made.
     pub spread: f64,
     /// Whether it has met a face so narrow that ray optics is in doubt.
     pub doubtful: bool,

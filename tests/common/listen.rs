@@ -8,7 +8,9 @@ use gonio_embree::light::Light;
 use gonio_embree::optics::field::{Field, Stokes};
 use gonio_embree::plan::{Limits, Options, Plan, Wanted};
 use gonio_embree::sample::Sample;
-use gonio_embree::trace::{All, Batch, Detect, Exit, Kernel, Loss, Recorder, Tracer, TreeKey, TreeNumbers, Unit, run};
+use gonio_embree::trace::{
+    All, Batch, Detect, Effects, Exit, Kernel, Loss, Recorder, Tracer, TreeKey, TreeNumbers, Unit, run,
+};
 
 /// Usual settings.
 pub fn settings(trees: u64) -> Settings {
@@ -88,13 +90,23 @@ pub fn listen<F: Field>(
     entries: &Entries,
 ) -> Heard<F> {
     let plan = Plan::new(sample, light, &Options { limits, wanted: effects, ..Options::default() });
-    listen_to(&plan, effects == Wanted::ALL, sample, light, backend, entries)
+    listen_to(&plan, sample, light, backend, entries)
 }
 
-/// The same for any plan; `phase` says whether lengths are followed.
+/// The same for any plan.
 pub fn listen_to<F: Field>(
     plan: &Plan,
-    phase: bool,
+    sample: &Sample,
+    light: &Light,
+    backend: Backend,
+    entries: &Entries,
+) -> Heard<F> {
+    listen_with::<F, All>(plan, sample, light, backend, entries)
+}
+
+/// The same with any choice of effects.
+pub fn listen_with<F: Field, E: Effects>(
+    plan: &Plan,
     sample: &Sample,
     light: &Light,
     backend: Backend,
@@ -102,8 +114,7 @@ pub fn listen_to<F: Field>(
 ) -> Heard<F> {
     let scene = Scene::new(sample.primitives.clone(), sample.domain, backend).unwrap();
     let kernel = Kernel::new(sample, &scene, plan, light);
-    let kernel = if phase { kernel.with_phase() } else { kernel };
-    let mut tracer = Tracer::<F, All>::new(&kernel);
+    let mut tracer = Tracer::<F, E>::new(&kernel);
     let mut heard = Heard { exits: Vec::new(), side: 0.0, absorbed: 0.0, lost: 0.0 };
     for (i, part) in entries.chunks(256).enumerate() {
         let incidence = &light.incidences[0];

@@ -4,7 +4,7 @@
 //! way, chosen with the probability of its share, and keeps all its power: so every tree conserves energy for
 //! every lane, exactly. All lanes of a ray use one random number; lanes that choose differently, or that refraction
 //! parts, go on as several rays. What a lane does depends on its own coefficients only, so it follows the same path
-//! alone or in a bundle (but for directions that differ by less than the plan allows).
+//! alone or in a bundle, but that a bundle may turn it by what the plan allows, to either side.
 
 mod divide;
 mod send;
@@ -55,6 +55,8 @@ pub struct Interface<'a> {
 /// Numbers that are drawn once for a tree: whether it looks for the edges of films, and how far its waves are coherent.
 const EDGE: u32 = 2;
 const COHERENCE: u32 = 3;
+/// The number of an interface that parts wavelengths.
+const PARTING: u32 = 4;
 /// One in so many trees looks for the edges of films that are only to be told of.
 const SAMPLED: f64 = 64.0;
 

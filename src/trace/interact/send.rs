@@ -2,7 +2,8 @@
 
 use super::divide::{BeamSlots, REFLECTED, TRANSMITTED};
 use super::{
-    Behind, Bend, Bits, Effects, Field, Interface, Loss, Partition, Plane, Ray, Recorder, Refraction, Slot, unit,
+    Behind, Bend, Bits, Effects, Field, Flight, Interface, Loss, PARTING, Partition, Plane, Ray, Recorder, Refraction,
+    Slot, decision, unit,
 };
 use crate::trace::kernel::Stop;
 use crate::trace::stream::Stream;
@@ -26,9 +27,49 @@ impl Fan {
         }
     }
 
+    /// The direction in its middle, behind an interface with this sine of the angle of incidence.
+    fn middle(self, sin: f64) -> Refraction {
+        let [s, c] = [0, 1].map(|i| self.low[i] + self.high[i]);
+        let norm = s.hypot(c);
+        Refraction { ratio: s / norm / sin, cos: c / norm }
+    }
+
     /// Distance of its ends, which for small angles is the angle between them.
     fn width(self) -> f64 {
         (self.high[0] - self.low[0]).hypot(self.high[1] - self.low[1])
+    }
+}
+
+/// Lanes share a refracted direction only if it could go back the way it came for each of them: their sines must differ by
+/// less than this times the square of the cosine before. Else light that grazes into a sphere would find no way out.
+const REVERSIBLE: f64 = 0.1;
+/// Directions behind an interface.
+struct Fans<'a> {
+    /// Sine and cosine of the angle of incidence.
+    sin: f64,
+    cos: f64,
+    bends: &'a [Option<Refraction>],
+}
+
+impl Fans<'_> {
+    /// Sine and cosine of the angle of refraction of a lane that has one.
+    fn direction(&self, lane: u16) -> [f64; 2] {
+        let bend = self.bends[usize::from(lane)].unwrap_or(Refraction { ratio: 1.0, cos: 1.0 });
+        [bend.ratio * self.sin, bend.cos]
+    }
+
+    /// The fan of the first of some lanes, not wider than `width`, and the first lane beyond it.
+    fn bundle(&self, mut lanes: impl Iterator<Item = u16>, width: f64) -> (Fan, Option<u16>) {
+        let reversible = REVERSIBLE * self.cos * self.cos;
+        let mut fan = Fan::new(lanes.next().map_or([self.sin, self.cos], |lane| self.direction(lane)));
+        for lane in lanes {
+            let wider = fan.with(self.direction(lane));
+            if wider.width() > width || wider.high[0] - wider.low[0] > reversible {
+                return (fan, Some(lane));
+            }
+            fan = wider;
+        }
+        (fan, None)
     }
 }
 
@@ -85,46 +126,48 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         self.settle(slot);
     }
 
-    /// Parts the lanes of a transmitted beam, in their order, into bundles whose directions differ by no more than what
-    /// the plan allows from one end of the way to the other.
+    /// Parts the lanes of a transmitted beam, in their order, into bundles that each go in their middle direction. The first
+    /// one is narrower by lot, so that a lane is now on this side of the middle, now on that: its mean direction is its own.
     #[inline(never)]
     fn part(&mut self, slot: Slot, plane: &Plane, behind: &Behind<'_>, bends: &[Option<Refraction>], splits: bool) {
-        let left = (self.kernel.plan.limits.spread - self.stream.flights[slot].spread).max(0.0);
-        let direction = |lane: u16| {
-            let bend = bends[usize::from(lane)].unwrap_or(Refraction { ratio: 1.0, cos: 1.0 });
-            [bend.ratio * plane.slant.sin, bend.cos]
-        };
+        let fans = Fans { sin: plane.slant.sin, cos: plane.slant.cos, bends };
+        let widest = self.widest(slot);
+        let Flight { events, branch, .. } = self.stream.flights[slot];
+        let mut width = widest * decision(self.numbers.key, branch, events, PARTING);
         loop {
-            let (first, _) = self.stream.first_lane(slot);
-            let mut fan = Fan::new(direction(first));
-            let mut next = None;
-            for lane in self.stream.lanes(slot).skip(1) {
-                let wider = fan.with(direction(lane));
-                if wider.width() > 2.0 * left {
-                    next = Some(lane);
-                    break;
-                }
-                fan = wider;
-            }
+            let (fan, end) = fans.bundle(self.stream.lanes(slot), width);
             // The last bundle keeps the slot.
-            let bundle = if next.is_some() { self.stream.fork(slot) } else { slot };
-            if let Some(next) = next {
-                self.move_lanes(slot, bundle, next);
+            let bundle = if end.is_some() { self.stream.fork(slot) } else { slot };
+            if let Some(end) = end {
+                self.move_lanes(slot, bundle, end);
             }
-            let refraction = match fan.width() {
-                0.0 => bends[usize::from(first)],
-                width => {
-                    self.stream.flights[bundle].spread += 0.5 * width;
-                    Some(middle(fan, plane.slant.sin))
-                }
+            let (first, _) = self.stream.first_lane(bundle);
+            let last = self.stream.lanes(bundle).last().unwrap_or(first);
+            let spread = &mut self.stream.flights[bundle].spread;
+            *spread = spread.hypot(0.5 * fan.width());
+            // The ends of the spectrum have neighbours on one side only.
+            let refraction = if first == 0 || first == last {
+                bends[usize::from(first)]
+            } else if usize::from(last) + 1 == self.kernel.lanes() {
+                bends[usize::from(last)]
+            } else {
+                Some(fan.middle(plane.slant.sin))
             };
             if let Some(refraction) = refraction {
                 self.transmit(bundle, plane, behind, refraction, splits);
             }
-            if next.is_none() {
+            if end.is_none() {
                 return;
             }
+            width = widest;
         }
+    }
+
+    /// How wide a bundle may become at one refraction: so that its edges turn by half of what is left, and lanes stay
+    /// together for some more. Turns at many interfaces add up like steps of a random walk.
+    fn widest(&self, slot: Slot) -> f64 {
+        let (most, spread) = (self.kernel.plan.limits.spread, self.stream.flights[slot].spread);
+        ((most - spread) * (most + spread)).max(0.0).sqrt()
     }
 
     /// Moves all lanes before `end` to another slot.
@@ -161,13 +204,6 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         }
         self.stream.remove(slot);
     }
-}
-
-/// The direction in the middle of a fan.
-fn middle(fan: Fan, sin: f64) -> Refraction {
-    let [s, c] = [0, 1].map(|i| fan.low[i] + fan.high[i]);
-    let norm = s.hypot(c);
-    Refraction { ratio: s / norm / sin, cos: c / norm }
 }
 
 /// Of very deep trees only the last 32 turns tell branches apart.
