@@ -1,6 +1,6 @@
 """Samples of glass in air, each described once for both programs: as a sample file and as shapes of Mitsuba.
 
-All lengths are mm: far above the coherence length, so that nothing is a film.
+All lengths are mm: far above the coherence length, so that nothing is a film. Mitsuba rounds them to 24 bits.
 """
 
 from dataclasses import dataclass, field
@@ -9,11 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from geodesic import Dome
-
-
-def single(x):
-    """As Mitsuba has it, so that both have the same."""
-    return float(np.float32(x))
 
 
 @dataclass
@@ -49,8 +44,8 @@ class Case:
         lines = ["[sample]", 'unit = "mm"', f'patch = {{ size = {list(self.patch)}, center = [0, 0], sides = "open" }}']
         lines += ["[media]", f"glass = {self.index!r}"]
         for center, radius in self.spheres:
-            center = [single(c) for c in center]
-            lines += ["[[object]]", 'shape = "sphere"', f"center = {center}", f"radius = {single(radius)}"]
+            center = [float(c) for c in center]
+            lines += ["[[object]]", 'shape = "sphere"', f"center = {center}", f"radius = {float(radius)}"]
             lines += ['medium = "glass"']
         for file in self._write_meshes(folder):
             lines += ["[[object]]", 'shape = "mesh"', f'file = "{file.name}"', 'medium = "glass"']
@@ -60,14 +55,14 @@ class Case:
 
     def shapes(self, folder: Path):
         """The same for Mitsuba, from the same mesh files."""
-        spheres = [{"type": "sphere", "center": list(map(single, c)), "radius": single(r)} for c, r in self.spheres]
+        spheres = [{"type": "sphere", "center": list(map(float, c)), "radius": float(r)} for c, r in self.spheres]
         meshes = [{"type": "obj", "filename": str(f), "face_normals": True} for f in self._write_meshes(folder)]
         return spheres + meshes
 
     def _write_meshes(self, folder):
         paths = [folder / f"{self.name}_{i}.obj" for i in range(len(self.meshes))]
         for path, (vertices, triangles) in zip(paths, self.meshes):
-            lines = ["v " + " ".join(repr(single(x)) for x in v) for v in vertices]
+            lines = ["v " + " ".join(repr(float(x)) for x in v) for v in vertices]
             lines += ["f " + " ".join(str(i + 1) for i in t) for t in triangles]
             path.write_text("\n".join(lines) + "\n")
         return paths
