@@ -76,7 +76,7 @@ fn backends_do_not_matter() {
         let light = usual_light();
         let sample = build.sample(&light);
         let hear =
-            |backend| listen::<Stokes>(&sample, &light, backend, Limits::default(), Wanted::Auto, &entries(4, 5000));
+            |backend| listen::<Stokes>(&sample, &light, backend, Limits::default(), Wanted::AUTO, &entries(4, 5000));
         let brute = hear(Backend::Brute);
         assert!(brute.exits.len() > 5000 && brute.lost == 0.0, "{name}");
         for backend in Backend::available() {

@@ -55,11 +55,8 @@ impl Stack {
         let incidence = Incidence::from_cos(self.around, theta_deg.to_radians().cos());
         let layers: Vec<Layer> = self.layers.iter().map(|&(index, thickness)| Layer { index, thickness }).collect();
         let both = solve(&incidence, &layers, self.below, nm / 1e3);
-        let choose = |x: Pair<f64>| match polarization {
-            Polarization::S => x.s,
-            Polarization::P => x.p,
-            Polarization::Unpolarized => 0.5 * (x.s + x.p),
-        };
+        let [s, p] = polarization.shares();
+        let choose = |x: Pair<f64>| s * x.s + p * x.p;
         (choose(both.map(|a| a.reflectance())), choose(both.map(|a| a.transmittance())))
     }
 

@@ -37,7 +37,7 @@ fn load(file: &Path) -> Result<Sample, Problems> {
     let is_obj = file.extension().is_some_and(|e| e == "obj");
     let description = if is_obj { Description::from_obj(file, &options) } else { Description::from_toml(file) }?;
     let wavelengths = Wavelengths::from_nm((0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect()).unwrap();
-    Sample::new(&description, &wavelengths, Coherence { full: 8.0, none: 16.0 })
+    Sample::new(&description, &wavelengths, Coherence::Falling(8.0, 16.0))
 }
 
 /// The problems of a file as people see them, without its directory.

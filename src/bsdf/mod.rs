@@ -1,6 +1,6 @@
 //! The result: spectral BRDF and BTDF with standard errors, and the energy ledger.
 
-use crate::dome::{Estimate, Facet, Leaf, Measurement, Rule};
+use crate::dome::{Entry, Estimate, Facet, Leaf, Measurement, Rule};
 use crate::light::{Incidence, Light};
 use crate::plan::Plan;
 
@@ -9,6 +9,8 @@ use crate::plan::Plan;
 pub struct Bsdf {
     /// Vacuum wavelengths, nm.
     pub wavelength_nm: Vec<f64>,
+    /// Names of the bodies whose absorbed power is told apart; empty if nothing absorbs.
+    pub groups: Vec<String>,
     /// One entry per incidence.
     pub incidences: Vec<Scattering>,
 }
@@ -24,8 +26,26 @@ pub struct Scattering {
     pub segments: u64,
     /// Where the incident power went, per wavelength.
     pub ledger: Ledger,
+    /// What each group of bodies has absorbed, per wavelength.
+    pub absorbed_by: Vec<Vec<Estimate>>,
+    /// Matrices of the mirror direction and of the straight one, if Mueller matrices were measured.
+    pub deltas: Option<DeltaMatrices>,
     /// The facets of the adaptive dome, without the deltas. They cover the sphere once.
     pub facets: Vec<FacetValue>,
+}
+
+/// A Mueller matrix by rows, per wavelength. Stokes vectors are (I, Q, U, V) with Q = |Eₓ|² − |E_y|² and
+/// U + iV = 2 Eₓ E_y*. Of light that comes x̂ is p̂ of the incidence, of light that goes the direction θ̂ of growing polar
+/// angle (p again); ŷ = k̂ × x̂.
+pub type Matrices = Vec<[Estimate; 16]>;
+
+/// Matrices of what leaves in exactly one direction, as shares of the incident power.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeltaMatrices {
+    /// Of the mirror direction.
+    pub specular: Matrices,
+    /// Straight through.
+    pub undeflected: Matrices,
 }
 
 /// Shares of the incident power per wavelength. `reflected + transmitted + absorbed + side + lost = 1`.
@@ -57,7 +77,7 @@ pub struct Ledger {
 
 impl Ledger {
     /// Names and entries, in a fixed order.
-    pub fn entries(&self) -> [(&'static str, &Vec<Estimate>); 11] {
+    pub fn entries(&self) -> [(&'static str, &Vec<Estimate>); Entry::COUNT] {
         [
             ("reflected", &self.reflected),
             ("transmitted", &self.transmitted),
@@ -74,7 +94,7 @@ impl Ledger {
     }
 
     /// The same, to be changed.
-    pub fn entries_mut(&mut self) -> [(&'static str, &mut Vec<Estimate>); 11] {
+    pub fn entries_mut(&mut self) -> [(&'static str, &mut Vec<Estimate>); Entry::COUNT] {
         [
             ("reflected", &mut self.reflected),
             ("transmitted", &mut self.transmitted),
@@ -114,18 +134,31 @@ pub struct FacetValue {
     /// BRDF (facets above the horizon) or BTDF (below), per wavelength, 1/sr: flux in the facet over incident
     /// flux and projected solid angle.
     pub value: Vec<Estimate>,
+    /// The same for light of all polarizations, if that was measured, 1/sr. Rays of the facet are told in the frames that
+    /// are carried from the pole of the hemisphere without a turn, all turned by the one angle that makes x̂ at the centre θ̂.
+    pub mueller: Matrices,
 }
 
 impl Scattering {
     /// From what the dome measured. Wavelengths that shared a lane get the same numbers.
     pub fn new(incidence: Incidence, measurement: &Measurement, plan: &Plan, rule: &Rule) -> Self {
-        let spread = |term: usize| plan.lane_of.iter().map(|&lane| measurement.term(term, lane)).collect();
+        let spread =
+            |term: usize| -> Vec<Estimate> { plan.lane_of.iter().map(|&lane| measurement.term(term, lane)).collect() };
         let mut ledger = Ledger::default();
         for (term, (_, entry)) in ledger.entries_mut().into_iter().enumerate() {
             *entry = spread(term);
         }
+        let shape = measurement.shape();
+        let absorbed_by = (0..shape.groups).map(|group| spread(shape.group(group))).collect();
+        let matrices = |behind: bool| {
+            let matrix = |lane: usize| std::array::from_fn(|i| measurement.term(shape.delta(behind, i), lane));
+            plan.lane_of.iter().map(|&lane| matrix(lane)).collect()
+        };
+        let deltas =
+            (shape.components > 1).then(|| DeltaMatrices { specular: matrices(false), undeflected: matrices(true) });
         let facets = measurement.leaves(rule).into_iter().map(|leaf| FacetValue::new(&leaf, &plan.lane_of)).collect();
-        Self { incidence, trees: measurement.trees(), segments: measurement.segments(), ledger, facets }
+        let (trees, segments) = (measurement.trees(), measurement.segments());
+        Self { incidence, trees, segments, ledger, absorbed_by, deltas, facets }
     }
 }
 
@@ -134,16 +167,20 @@ impl FacetValue {
         let angle = leaf.facet.projected_solid_angle();
         let per_steradian = |e: Estimate| Estimate { value: e.value / angle, se: e.se / angle };
         let value = lane_of.iter().map(|&lane| per_steradian(leaf.power[lane])).collect();
-        Self { facet: leaf.facet, trees: leaf.trees, value }
+        let lanes = lane_of.iter().filter(|_| !leaf.mueller.is_empty());
+        let mueller = lanes.map(|&lane| leaf.mueller[lane].map(per_steradian)).collect();
+        Self { facet: leaf.facet, trees: leaf.trees, value, mueller }
     }
 }
 
 impl Bsdf {
     /// From one measurement per incidence of the light.
-    pub fn new(light: &Light, measurements: &[Measurement], plan: &Plan, rule: &Rule) -> Self {
+    pub fn new(light: &Light, measurements: &[Measurement], plan: &Plan, groups: &[String], rule: &Rule) -> Self {
+        let told = measurements.first().map_or(0, |m| m.shape().groups);
         let scatterings = light.incidences.iter().zip(measurements);
         Self {
             wavelength_nm: light.wavelengths.nm().to_vec(),
+            groups: groups[..told].to_vec(),
             incidences: scatterings.map(|(&i, m)| Scattering::new(i, m, plan, rule)).collect(),
         }
     }

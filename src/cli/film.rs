@@ -34,7 +34,7 @@ pub struct Options {
     /// Vacuum wavelengths in nm, same forms [default: 400:700:20]
     #[arg(long, value_name = "NM")]
     wavelengths: Option<Values>,
-    /// State of polarization: unpolarized, s or p [default: unpolarized]
+    /// State of polarization: unpolarized, s, p, or a Stokes vector 1,Q,U,V [default: unpolarized]
     #[arg(long)]
     polarization: Option<Polarization>,
     /// A medium of the stack: its index, such as melanin=2.0+0.01i, or a file (.yml of refractiveindex.info, .csv); may
@@ -111,6 +111,11 @@ impl Options {
         let stack = films::parse(&self.stack).and_then(|stack| stack.resolve(&media)).map_err(wrong)?;
         let (angles, wavelengths) = (self.angles()?, self.wavelengths()?);
         let polarization = self.polarization.unwrap_or(Polarization::Unpolarized);
+        if polarization == Polarization::Mueller {
+            let why =
+                "--polarization mueller: a stack is told for one state; choose unpolarized, s, p or a Stokes vector";
+            return Err(Failure::Input(why.into()));
+        }
         films::sweep(&stack, wavelengths.nm(), &angles, polarization).map_err(wrong)
     }
 

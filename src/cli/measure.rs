@@ -9,7 +9,7 @@ use gonio_embree::experiment::{Origin, Outcome, Settings, measure};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelengths};
 use gonio_embree::output::{Measured, atomic, netcdf, sha256_of_files, summary, table};
-use gonio_embree::plan::{self, Edges, Limits, Probe, Wanted};
+use gonio_embree::plan::{self, Edges, Limits, Name, Probe, Wanted};
 use gonio_embree::plot;
 use gonio_embree::sample::description::Sides;
 use gonio_embree::sample::{Description, Sample, obj};
@@ -53,18 +53,28 @@ pub struct Options {
     /// Vacuum wavelengths in nm, same forms
     #[arg(long, default_value = "400:700:20", value_name = "NM", help_heading = "Light")]
     wavelengths: Values,
-    /// State of polarization: unpolarized, s or p
-    #[arg(long, default_value = "unpolarized", help_heading = "Light")]
+    /// State of polarization: unpolarized, s, p, a Stokes vector 1,Q,U,V (Q = p − s), or mueller (all of them: the result
+    /// has the 4×4 matrices)
+    #[arg(
+        long,
+        default_value = "unpolarized",
+        value_name = "STATE",
+        allow_hyphen_values = true,
+        help_heading = "Light"
+    )]
     polarization: Polarization,
     /// What a wavelength stands for: its band (finite coherence length), or a laser line
     #[arg(long, default_value = "band", value_name = "MODE", help_heading = "Light")]
     source_mode: SourceMode,
+    /// Coherence length λ²/Δλ of a Gaussian line, such as 30um, in place of a source mode
+    #[arg(long, value_name = "LENGTH", conflicts_with = "source_mode", help_heading = "Light")]
+    coherence_length: Option<String>,
 
     /// Ray trees per incidence: 200000, 2e5, 200k or 1M
     #[arg(long, default_value = "200k", value_name = "N", help_heading = "Work")]
     trees: Count,
-    /// Effects to simulate: auto (those that can matter) or all
-    #[arg(long, default_value = "auto", help_heading = "Work")]
+    /// Effects to simulate: auto (those that can matter) or all; +NAME or -NAME switches one by hand, as in auto,-dispersion
+    #[arg(long, default_value = "auto", value_name = "EFFECTS", allow_hyphen_values = true, help_heading = "Work")]
     effects: Wanted,
     /// Along what films are searched: normal, or refracted (as the paper does)
     #[arg(long, default_value = "normal", value_name = "HOW", help_heading = "Work")]
@@ -72,8 +82,12 @@ pub struct Options {
     /// Films near the edge of a layer: column (as if it had no end), or reject (no film there)
     #[arg(long, default_value = "column", value_name = "HOW", help_heading = "Work")]
     edges: Edges,
+    /// Degrees by which the direction of a wavelength may differ from that of the ray it shares with others; 0: none share
+    /// [default: a quarter of a facet of the dome]
+    #[arg(long, value_name = "DEG", help_heading = "Work")]
+    spread: Option<f64>,
     /// Finest level of the geodesic dome; its facets are 63°/2^level wide
-    #[arg(long, default_value_t = 5, value_name = "LEVEL", help_heading = "Work",
+    #[arg(long, default_value_t = plan::DOME_LEVEL, value_name = "LEVEL", help_heading = "Work",
           value_parser = clap::value_parser!(u8).range(1..=i64::from(FINEST_LEVEL)))]
     dome_level: u8,
     /// Interfaces a ray may meet before its power counts as lost
@@ -98,10 +112,10 @@ pub struct Options {
     output: Option<PathBuf>,
     /// Print one JSON document instead of the table
     #[arg(long, help_heading = "Output")]
-    json: bool,
+    pub(super) json: bool,
     /// Show no progress
     #[arg(long, help_heading = "Output")]
-    quiet: bool,
+    pub(super) quiet: bool,
 }
 
 /// Measures, and writes what came out.
@@ -120,7 +134,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         atomic::check(path)
             .map_err(|e| Failure::Input(format!("--output {}: cannot be written: {e}", path.display())))?;
     }
-    let settings = options.settings();
+    let settings = options.settings()?;
     let mut line = Line::new(options.quiet);
     let outcome = measure(&sample, &light, &settings, |p| line.show(&p, light.incidences.len()));
     line.clear();
@@ -153,7 +167,7 @@ fn times(outcome: &Outcome) -> String {
 }
 
 impl Options {
-    fn light(&self) -> Result<Light, Failure> {
+    pub(super) fn light(&self) -> Result<Light, Failure> {
         let mut incidences = Vec::new();
         for &phi_deg in &self.azimuth.all {
             for &theta_deg in &self.incident.all {
@@ -166,10 +180,20 @@ impl Options {
         }
         let wavelengths = Wavelengths::from_nm(self.wavelengths.all.clone())
             .map_err(|e| Failure::Input(format!("--wavelengths: {e}")))?;
-        Ok(Light { wavelengths, incidences, polarization: self.polarization, source: self.source_mode })
+        Ok(Light { wavelengths, incidences, polarization: self.polarization, source: self.source()? })
     }
 
-    fn description(&self) -> Result<Description, Failure> {
+    fn source(&self) -> Result<SourceMode, Failure> {
+        let Some(text) = &self.coherence_length else { return Ok(self.source_mode) };
+        match units::length(text, LengthUnit::Micrometre) {
+            Ok(um) if um > 0.0 && um.is_finite() => Ok(SourceMode::Gaussian(um)),
+            _ => Err(Failure::Input(format!(
+                "--coherence-length {text}: expected a length greater than 0, such as 30um; for a laser --source-mode line"
+            ))),
+        }
+    }
+
+    pub(super) fn description(&self) -> Result<Description, Failure> {
         let wrong = |e: &dyn std::fmt::Display| Failure::Input(e.to_string());
         match (&self.mesh, &self.sample) {
             (Some(path), _) => {
@@ -195,21 +219,32 @@ impl Options {
         }
     }
 
-    fn settings(&self) -> Settings {
+    pub(super) fn settings(&self) -> Result<Settings, Failure> {
         let default = Settings::default();
-        Settings {
+        let spread = match self.spread {
+            None => Limits::spread_for(self.dome_level),
+            Some(degrees) if (0.0..=90.0).contains(&degrees) => degrees.to_radians(),
+            Some(degrees) => return Err(Failure::Input(format!("--spread {degrees}: expected 0 to 90 degrees"))),
+        };
+        if self.polarization == Polarization::Mueller && self.effects.by_hand(Name::Polarization) == Some(false) {
+            return Err(Failure::Input(
+                "--polarization mueller needs what --effects -polarization leaves out: give one of the two".into(),
+            ));
+        }
+        Ok(Settings {
             trees: self.trees.0,
             seed: self.seed,
             threads: self.threads.map_or(default.threads, usize::from),
             backend: self.backend,
             dome_level: self.dome_level,
             options: plan::Options {
-                limits: Limits { depth: self.depth, ..Limits::default() },
+                limits: Limits { depth: self.depth, spread, ..Limits::default() },
                 wanted: self.effects,
                 probe: self.probe,
                 edges: self.edges,
+                ..default.options
             },
-        }
+        })
     }
 
     fn input(&self) -> &Path {
@@ -245,11 +280,15 @@ impl Options {
         add("azimuth", &self.azimuth);
         add("wavelengths", &self.wavelengths);
         add("polarization", &self.polarization);
-        add("source-mode", &self.source_mode);
+        match &self.coherence_length {
+            Some(length) => add("coherence-length", length),
+            None => add("source-mode", &self.source_mode),
+        }
         add("trees", &self.trees);
         add("effects", &self.effects);
         add("probe", &self.probe);
         add("edges", &self.edges);
+        self.spread.iter().for_each(|s| add("spread", s));
         add("dome-level", &self.dome_level);
         add("depth", &self.depth);
         add("backend", &self.backend);

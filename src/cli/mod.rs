@@ -1,5 +1,6 @@
 //! The command line: what the user typed becomes a measurement, and the outcome an exit code.
 
+mod explain;
 mod film;
 mod generate;
 mod materials;
@@ -39,6 +40,8 @@ enum Command {
     Generate(generate::Kind),
     /// Reflectance, transmittance and colour of a stack of films
     Film(film::Options),
+    /// Which effects a measurement will simulate, why, and what each costs
+    Explain(measure::Options),
     /// Built-in media, or a file of one: where its numbers come from, and what they are
     Materials(materials::Options),
 }
@@ -89,6 +92,7 @@ pub fn run() -> ExitCode {
     let done = match &cli.command {
         Some(Command::Generate(kind)) => generate::run(kind),
         Some(Command::Film(options)) => film::run(options),
+        Some(Command::Explain(options)) => explain::run(options),
         Some(Command::Materials(options)) => materials::run(options),
         None => measure::run(&cli.measure),
     };

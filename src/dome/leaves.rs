@@ -31,13 +31,15 @@ pub struct Leaf {
     pub trees: u64,
     /// Share of the incident power per lane.
     pub power: Vec<Estimate>,
+    /// Mueller matrices per lane, by rows, whose first element is that power; none if only power was measured.
+    pub mueller: Vec<[Estimate; 16]>,
 }
 
 impl Measurement {
     /// The facets of the adaptive dome: they cover the sphere once, from level 1 on (so that none sees both
     /// sides), ascending along the dome.
     pub fn leaves(&self, rule: &Rule) -> Vec<Leaf> {
-        let z = critical(rule.false_alarm / (4 * self.lanes()) as f64, self.batches());
+        let z = critical(rule.false_alarm / (4 * self.shape().lanes) as f64, self.batches());
         let mut leaves = Vec::new();
         for facet in Facet::all(self.finest().min(1)) {
             self.refine(facet, rule, z, &mut leaves);
@@ -56,8 +58,11 @@ impl Measurement {
             }
         }
         leaves.truncate(first);
-        let power = (0..self.lanes()).map(|lane| self.facet(facet, lane)).collect();
-        leaves.push(Leaf { facet, trees: self.facet_trees(facet), power });
+        let power = (0..self.shape().lanes).map(|lane| self.facet(facet, lane)).collect();
+        let matrix = |lane| std::array::from_fn(|i| self.component(facet, lane, i));
+        let with_matrices = if self.shape().components > 1 { self.shape().lanes } else { 0 };
+        let mueller = (0..with_matrices).map(matrix).collect();
+        leaves.push(Leaf { facet, trees: self.facet_trees(facet), power, mueller });
         true
     }
 
@@ -66,7 +71,7 @@ impl Measurement {
         let parts = facet.children();
         let angles = parts.map(Facet::projected_solid_angle);
         let whole: f64 = angles.iter().sum();
-        (0..self.lanes()).any(|lane| {
+        (0..self.shape().lanes).any(|lane| {
             let power = parts.map(|p| self.facet(p, lane));
             let sum: f64 = power.iter().map(|e| e.value).sum();
             let noise: f64 = power.iter().map(|e| e.se * e.se).sum();
@@ -97,7 +102,7 @@ mod tests {
     use rand::rngs::Xoshiro256PlusPlus;
     use rand::{RngExt, SeedableRng};
 
-    use super::super::{Delta, Detector, Locator, Tally};
+    use super::super::{Delta, Detector, Locator, Shape, Tally};
     use super::*;
     use crate::optics::field::{Field, Stokes};
     use crate::trace::{Detect, testing};
@@ -110,13 +115,13 @@ mod tests {
     fn fill(batches: usize, trees: u32, mut sample: impl FnMut(&mut Xoshiro256PlusPlus) -> DVec3) -> Measurement {
         let locator = Locator::new(4);
         let deltas = vertical();
-        let mut detector = Detector::new(&locator, 1, &deltas);
-        let mut measurement = Measurement::new(1, 4);
+        let mut detector = Detector::new(&locator, Shape::of_power(1), &deltas);
+        let mut measurement = Measurement::new(Shape::of_power(1), 4);
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(11);
         for _ in 0..batches {
             for tree in 0..trees {
                 let dir = sample(&mut rng);
-                testing::exit(&mut detector, tree, dir, Stokes::linear(true));
+                testing::exit(&mut detector, tree, dir, Stokes::incident([1.0, 1.0, 0.0, 0.0]));
             }
             measurement.add(&Detect::<Stokes>::finish(&mut detector, u64::from(trees)));
         }
@@ -167,15 +172,15 @@ mod tests {
         let tallies: Vec<Tally> = (0..6)
             .map(|_| {
                 let deltas = vertical();
-                let mut d = Detector::new(&locator, 1, &deltas);
+                let mut d = Detector::new(&locator, Shape::of_power(1), &deltas);
                 for tree in 0..50 {
-                    testing::exit(&mut d, tree, lambert(&mut rng), Stokes::linear(true));
+                    testing::exit(&mut d, tree, lambert(&mut rng), Stokes::incident([1.0, 1.0, 0.0, 0.0]));
                 }
                 Detect::<Stokes>::finish(&mut d, 50)
             })
             .collect();
         let sum = |order: &[usize]| {
-            let mut t = Tally::new(1);
+            let mut t = Tally::new(Shape::of_power(1));
             order.iter().for_each(|&i| t.merge(&tallies[i]));
             t
         };

@@ -5,12 +5,15 @@
 //! every level has a mean and a standard error. Only then are facets merged that do not differ: the result does
 //! not depend on the order of events, and parts measured elsewhere merge by addition.
 
+mod detector;
+mod frame;
 mod geodesic;
 mod leaves;
 mod statistics;
 mod tally;
 
+pub use detector::{Delta, Detector};
 pub use geodesic::{FINEST_LEVEL, Facet, Locator, count};
 pub use leaves::{Leaf, RESOLVED, Rule};
 pub use statistics::{Estimate, Measurement};
-pub use tally::{Delta, Detector, Tally};
+pub use tally::{Entry, Shape, Tally};

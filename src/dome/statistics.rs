@@ -1,7 +1,11 @@
 //! Means and standard errors from independent batches.
 
+use std::borrow::Cow;
+
+use super::frame;
 use super::geodesic::{Facet, count};
-use super::tally::Tally;
+use super::tally::{Shape, Tally};
+use crate::optics::field::{Field, Mueller};
 
 /// A value with its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,7 +22,7 @@ struct Level {
     /// Row of each facet, or [`ABSENT`].
     rows: Vec<u32>,
     trees: Vec<u64>,
-    /// Power of all batches, mean power of batches, its square: per row and lane.
+    /// Sum over all batches, sum of the means of batches, and of their squares: per row, lane and component.
     sums: Vec<[f64; 3]>,
 }
 
@@ -27,13 +31,13 @@ const ABSENT: u32 = u32::MAX;
 /// Everything measured at one incidence.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    lanes: usize,
+    shape: Shape,
     finest: u8,
     trees: u64,
     segments: u64,
-    /// Ledger entries of each batch: mean power per tree, per term and lane.
+    /// Terms of the ledger of each batch: mean per tree, per term and lane.
     batches: Vec<Vec<f64>>,
-    /// Sum of the ledger entries of all batches.
+    /// Sum of the terms of all batches.
     totals: Vec<f64>,
     levels: Vec<Level>,
 }
@@ -43,15 +47,15 @@ const ROUNDING: f64 = 1e-15;
 
 impl Measurement {
     /// Nothing yet, for a dome of level `finest`.
-    pub fn new(lanes: usize, finest: u8) -> Self {
+    pub fn new(shape: Shape, finest: u8) -> Self {
         let level = |l| Level { rows: vec![ABSENT; count(l) as usize], ..Level::default() };
         Self {
-            lanes,
+            shape,
             finest,
             trees: 0,
             segments: 0,
             batches: Vec::new(),
-            totals: vec![0.0; lanes * Tally::TERMS],
+            totals: vec![0.0; shape.lanes * shape.terms()],
             levels: (0..=finest).map(level).collect(),
         }
     }
@@ -61,17 +65,33 @@ impl Measurement {
         let n = batch.trees as f64;
         self.trees += batch.trees;
         self.segments += batch.segments;
-        let terms: Vec<f64> = (0..Tally::TERMS).flat_map(|i| batch.term(i)).copied().collect();
-        self.totals.iter_mut().zip(&terms).for_each(|(sum, x)| *sum += x);
+        let terms = batch.terms();
+        self.totals.iter_mut().zip(terms).for_each(|(sum, x)| *sum += x);
         self.batches.push(terms.iter().map(|x| x / n).collect());
         let mut rows: Vec<(u32, u64, Vec<f64>)> =
             batch.facets().map(|(code, trees, power)| (code, u64::from(trees), power.to_vec())).collect();
         for level in (0..=self.finest).rev() {
             for (code, trees, power) in &rows {
-                self.levels[usize::from(level)].add(*code, *trees, power, n);
+                let told = self.told(Facet { level, code: *code }, power);
+                self.levels[usize::from(level)].add(*code, *trees, &told, n);
             }
             rows = parents(rows);
         }
+    }
+
+    /// What a facet got, as it is told: matrices in the frame of s and p at its centre.
+    fn told<'p>(&self, facet: Facet, power: &'p [f64]) -> Cow<'p, [f64]> {
+        if self.shape.components == 1 {
+            return Cow::Borrowed(power);
+        }
+        let center = facet.center();
+        let [cos, sin] = frame::turn(center, frame::carried(center), frame::theta(center));
+        let mut told = power.to_vec();
+        told.as_chunks_mut()
+            .0
+            .iter_mut()
+            .for_each(|matrix| *matrix = Mueller::from_rows(matrix).rotated(cos, sin).rows());
+        Cow::Owned(told)
     }
 
     /// Trees traced.
@@ -89,9 +109,9 @@ impl Measurement {
         self.finest
     }
 
-    /// Number of lanes.
-    pub fn lanes(&self) -> usize {
-        self.lanes
+    /// How many numbers it holds.
+    pub fn shape(&self) -> Shape {
+        self.shape
     }
 
     /// Number of batches.
@@ -99,9 +119,10 @@ impl Measurement {
         self.batches.len()
     }
 
-    /// An entry of the ledger (numbered as in [`Tally::term`]) for a lane, as a share of the incident power.
+    /// A term of the ledger (an [entry](super::Entry), or as [`Shape`] numbers them) for a lane, as a share of the incident
+    /// power.
     pub fn term(&self, term: usize, lane: usize) -> Estimate {
-        let at = term * self.lanes + lane;
+        let at = term * self.shape.lanes + lane;
         let values = self.batches.iter().map(|b| b[at]);
         let b = self.batches.len() as f64;
         let mean = values.clone().sum::<f64>() / b;
@@ -113,12 +134,18 @@ impl Measurement {
 
     /// Share of the incident power in a facet, for a lane.
     pub fn facet(&self, facet: Facet, lane: usize) -> Estimate {
+        self.component(facet, lane, 0)
+    }
+
+    /// The same for a component of what the facet got: 0 is its power.
+    pub fn component(&self, facet: Facet, lane: usize, component: usize) -> Estimate {
         let level = &self.levels[usize::from(facet.level)];
         let row = level.rows[facet.code as usize];
         if row == ABSENT {
             return Estimate::default();
         }
-        let [power, sum, square] = level.sums[row as usize * self.lanes + lane];
+        let [power, sum, square] =
+            level.sums[row as usize * self.shape.row() + lane * self.shape.components + component];
         let b = self.batches.len() as f64;
         let spread = square - sum * sum / b;
         let se = if spread <= ROUNDING * square { 0.0 } else { (spread / (b - 1.0) / b).sqrt() };

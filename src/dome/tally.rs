@@ -1,132 +1,153 @@
 //! What one chunk of trees, or one batch of chunks, has put into the dome.
 
-use glam::DVec3;
-
-use super::geodesic::{Locator, count};
-use crate::optics::field::Field;
-use crate::trace::{Detect, Exit, Loss, Recorder};
-
-/// Directions in which a flat sample sends all its light: kept apart from the facets.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Delta {
-    /// Mirror direction.
-    pub specular: DVec3,
-    /// Straight through, per lane: refracted by the medium below.
-    pub undeflected: Vec<DVec3>,
+/// Entries of the energy ledger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// Upwards, the mirror direction included.
+    Reflected,
+    /// Downwards, the straight direction included.
+    Transmitted,
+    /// In the sample.
+    Absorbed,
+    /// Sideways.
+    Side,
+    /// In the mirror direction.
+    Specular,
+    /// In the straight direction.
+    Undeflected,
+    /// Met faces so narrow that ray optics is in doubt.
+    Doubtful,
+    /// Met films near to their edges.
+    Edge,
+    /// Lost, by [`crate::trace::Loss::ALL`].
+    LostMedium,
+    /// Lost beyond the depth limit.
+    LostDepth,
+    /// Lost to numbers.
+    LostNumeric,
 }
 
-/// Directions closer than this are the same: far above rounding, far below any lobe.
-const SAME_DIRECTION: f64 = 1e-9;
+impl Entry {
+    /// How many there are.
+    pub const COUNT: usize = 11;
+}
 
-/// Power per lane in each entry of the energy ledger, and per facet.
+/// How many numbers a tally holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shape {
+    /// Lanes: wavelengths that are traced.
+    pub lanes: usize,
+    /// Numbers that tell of light that has left: its power, or 16 elements of a Mueller matrix by rows.
+    pub components: usize,
+    /// Groups of bodies whose absorbed power is told apart.
+    pub groups: usize,
+}
+
+impl Shape {
+    /// Of power alone.
+    pub fn of_power(lanes: usize) -> Self {
+        Self { lanes, components: 1, groups: 0 }
+    }
+
+    /// Numbers per facet.
+    pub fn row(&self) -> usize {
+        self.lanes * self.components
+    }
+
+    /// Terms of the ledger, each of which has a number per lane: the entries, what each group absorbs, and the elements of
+    /// the matrices of the mirror direction and the straight one.
+    pub fn terms(&self) -> usize {
+        Entry::COUNT + self.groups + if self.components > 1 { 2 * self.components } else { 0 }
+    }
+
+    /// The term of what a group absorbs.
+    pub fn group(&self, group: usize) -> usize {
+        Entry::COUNT + group
+    }
+
+    /// The term of an element of the matrix of the mirror direction or, behind the sample, of the straight one.
+    pub fn delta(&self, behind: bool, component: usize) -> usize {
+        Entry::COUNT + self.groups + usize::from(behind) * self.components + component
+    }
+}
+
+/// Power per lane in each term of the ledger, and per facet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
-    lanes: usize,
+    shape: Shape,
     /// Trees traced.
     pub trees: u64,
     /// Segments traced.
     pub segments: u64,
-    /// Upwards, the mirror direction included.
-    pub reflected: Vec<f64>,
-    /// Downwards, the straight direction included.
-    pub transmitted: Vec<f64>,
-    /// In the sample.
-    pub absorbed: Vec<f64>,
-    /// Sideways.
-    pub side: Vec<f64>,
-    /// Lost, by [`Loss::ALL`].
-    pub lost: [Vec<f64>; 3],
-    /// In the mirror direction.
-    pub specular: Vec<f64>,
-    /// In the straight direction.
-    pub undeflected: Vec<f64>,
-    /// Met faces so narrow that ray optics is in doubt.
-    pub doubtful: Vec<f64>,
-    /// Met films near to their edges.
-    pub edge: Vec<f64>,
+    /// A row of lanes per term.
+    terms: Vec<f64>,
     /// Facets hit, ascending, with the trees that hit them.
     facets: Vec<(u32, u32)>,
-    /// Their power: one row of lanes per facet.
+    /// What they got: a row per facet, lane by lane, in frames that are [carried from the pole](super::frame).
     power: Vec<f64>,
 }
 
 impl Tally {
     /// Nothing yet.
-    pub fn new(lanes: usize) -> Self {
-        let zero = || vec![0.0; lanes];
-        Self {
-            lanes,
-            reflected: zero(),
-            transmitted: zero(),
-            absorbed: zero(),
-            side: zero(),
-            lost: std::array::from_fn(|_| zero()),
-            specular: zero(),
-            undeflected: zero(),
-            doubtful: zero(),
-            edge: zero(),
-            ..Self::default()
-        }
+    pub fn new(shape: Shape) -> Self {
+        Self { shape, terms: vec![0.0; shape.terms() * shape.lanes], ..Self::default() }
     }
 
-    /// Facets hit, ascending: number, trees, power per lane.
+    /// How many numbers it holds.
+    pub fn shape(&self) -> Shape {
+        self.shape
+    }
+
+    /// All terms of the ledger, a row of lanes each.
+    pub fn terms(&self) -> &[f64] {
+        &self.terms
+    }
+
+    /// An entry of the ledger, per lane.
+    pub fn entry(&self, entry: Entry) -> &[f64] {
+        &self.terms[entry as usize * self.shape.lanes..][..self.shape.lanes]
+    }
+
+    /// Adds to a term of the ledger.
+    #[inline]
+    pub(super) fn add(&mut self, term: usize, lane: u16, power: f64) {
+        self.terms[term * self.shape.lanes + usize::from(lane)] += power;
+    }
+
+    /// Facets hit, ascending: number, trees, numbers per lane.
     pub fn facets(&self) -> impl ExactSizeIterator<Item = (u32, u32, &[f64])> {
-        self.facets.iter().zip(self.power.chunks_exact(self.lanes)).map(|(&(code, trees), power)| (code, trees, power))
+        let rows = self.power.chunks_exact(self.shape.row());
+        self.facets.iter().zip(rows).map(|(&(code, trees), power)| (code, trees, power))
+    }
+
+    /// What a facet got.
+    pub fn facet(&self, code: u32) -> Option<&[f64]> {
+        let row = self.facets.binary_search_by_key(&code, |f| f.0).ok()?;
+        Some(&self.power[row * self.shape.row()..][..self.shape.row()])
+    }
+
+    /// Adds a facet beyond all others.
+    pub(super) fn push_facet(&mut self, code: u32, trees: u32, power: &[f64]) {
+        self.facets.push((code, trees));
+        self.power.extend_from_slice(power);
     }
 
     /// Adds another tally of other trees.
     pub fn merge(&mut self, other: &Self) {
         self.trees += other.trees;
         self.segments += other.segments;
-        let terms = |t: &mut Self, i: usize| std::mem::take(t.term_mut(i));
-        for i in 0..Self::TERMS {
-            let mut sum = terms(self, i);
-            sum.iter_mut().zip(other.term(i)).for_each(|(a, b)| *a += b);
-            *self.term_mut(i) = sum;
-        }
+        self.terms.iter_mut().zip(&other.terms).for_each(|(a, b)| *a += b);
         self.merge_facets(other);
-    }
-
-    /// Number of entries of the ledger, deltas included.
-    pub const TERMS: usize = 11;
-
-    /// An entry of the ledger, per lane.
-    pub fn term(&self, i: usize) -> &[f64] {
-        match i {
-            0 => &self.reflected,
-            1 => &self.transmitted,
-            2 => &self.absorbed,
-            3 => &self.side,
-            4 => &self.specular,
-            5 => &self.undeflected,
-            6 => &self.doubtful,
-            7 => &self.edge,
-            _ => &self.lost[i - 8],
-        }
-    }
-
-    fn term_mut(&mut self, i: usize) -> &mut Vec<f64> {
-        match i {
-            0 => &mut self.reflected,
-            1 => &mut self.transmitted,
-            2 => &mut self.absorbed,
-            3 => &mut self.side,
-            4 => &mut self.specular,
-            5 => &mut self.undeflected,
-            6 => &mut self.doubtful,
-            7 => &mut self.edge,
-            _ => &mut self.lost[i - 8],
-        }
     }
 
     /// Merges two ascending lists of facets.
     fn merge_facets(&mut self, other: &Self) {
         let (a, b) = (std::mem::take(&mut self.facets), &other.facets);
         let power = std::mem::take(&mut self.power);
-        let lanes = self.lanes;
+        let width = self.shape.row();
         let row = |power: &[f64], i: usize| -> std::ops::Range<usize> {
-            debug_assert!(power.len() >= (i + 1) * lanes);
-            i * lanes..(i + 1) * lanes
+            debug_assert!(power.len() >= (i + 1) * width);
+            i * width..(i + 1) * width
         };
         let (mut i, mut j) = (0, 0);
         while i < a.len() || j < b.len() {
@@ -134,7 +155,7 @@ impl Tally {
             let code = [x, y].into_iter().flatten().min().unwrap_or_default();
             let mut trees = 0;
             let first = self.power.len();
-            self.power.resize(first + lanes, 0.0);
+            self.power.resize(first + width, 0.0);
             let sum = &mut self.power[first..];
             if x == Some(code) {
                 trees += a[i].1;
@@ -148,135 +169,5 @@ impl Tally {
             }
             self.facets.push((code, trees));
         }
-    }
-}
-
-/// Takes what the tracer tells into a [`Tally`]. One per worker, reused from chunk to chunk.
-pub struct Detector<'a> {
-    locator: &'a Locator,
-    tally: Tally,
-    /// Delta directions per incidence, and which of them holds now.
-    deltas: &'a [Delta],
-    delta: &'a Delta,
-    /// Row of each facet in `power`, or [`NOT_HIT`].
-    rows: Vec<u32>,
-    hit: Vec<Hit>,
-    power: Vec<f64>,
-}
-
-struct Hit {
-    code: u32,
-    trees: u32,
-    last_tree: u32,
-}
-
-const NOT_HIT: u32 = u32::MAX;
-
-impl<'a> Detector<'a> {
-    /// A dome with the facets of `locator`, for light of the incidences with these delta directions.
-    ///
-    /// # Panics
-    /// When there is no incidence.
-    pub fn new(locator: &'a Locator, lanes: usize, deltas: &'a [Delta]) -> Self {
-        Self {
-            locator,
-            tally: Tally::new(lanes),
-            deltas,
-            delta: &deltas[0],
-            rows: vec![NOT_HIT; count(locator.level()) as usize],
-            hit: Vec::new(),
-            power: Vec::new(),
-        }
-    }
-
-    fn row(&mut self, dir: DVec3, tree: u32) -> &mut [f64] {
-        let lanes = self.tally.lanes;
-        let code = self.locator.code(dir);
-        let row = &mut self.rows[code as usize];
-        if *row == NOT_HIT {
-            *row = self.hit.len() as u32;
-            self.hit.push(Hit { code, trees: 0, last_tree: u32::MAX });
-            self.power.resize(self.power.len() + lanes, 0.0);
-        }
-        let row = *row as usize;
-        let hit = &mut self.hit[row];
-        if hit.last_tree != tree {
-            hit.last_tree = tree;
-            hit.trees += 1;
-        }
-        &mut self.power[row * lanes..(row + 1) * lanes]
-    }
-}
-
-fn same(a: DVec3, b: DVec3) -> bool {
-    a.distance_squared(b) < SAME_DIRECTION * SAME_DIRECTION
-}
-
-impl<F: Field> Recorder<F> for Detector<'_> {
-    fn exit(&mut self, exit: &Exit<'_, F>) {
-        let up = exit.dir.z > 0.0;
-        let specular = up && same(exit.dir, self.delta.specular);
-        let loads = || exit.loads().map(|(lane, field)| (usize::from(lane), field.power()));
-        let total = if up { &mut self.tally.reflected } else { &mut self.tally.transmitted };
-        loads().for_each(|(lane, power)| total[lane] += power);
-        if specular {
-            return loads().for_each(|(lane, power)| self.tally.specular[lane] += power);
-        }
-        // The straight direction may differ between lanes, but only where each has a ray of its own.
-        let straight = |lane: usize| !up && same(exit.dir, self.delta.undeflected[lane]);
-        if loads().next().is_some_and(|(lane, _)| straight(lane)) {
-            return loads().for_each(|(lane, power)| self.tally.undeflected[lane] += power);
-        }
-        let row = self.row(exit.dir, exit.tree);
-        loads().for_each(|(lane, power)| row[lane] += power);
-    }
-
-    fn side(&mut self, lane: u16, power: f64) {
-        self.tally.side[usize::from(lane)] += power;
-    }
-
-    fn absorb(&mut self, lane: u16, power: f64) {
-        self.tally.absorbed[usize::from(lane)] += power;
-    }
-
-    fn lose(&mut self, why: Loss, lane: u16, power: f64) {
-        self.tally.lost[why as usize][usize::from(lane)] += power;
-    }
-
-    fn doubt(&mut self, lane: u16, power: f64) {
-        self.tally.doubtful[usize::from(lane)] += power;
-    }
-
-    fn edge(&mut self, lane: u16, power: f64) {
-        self.tally.edge[usize::from(lane)] += power;
-    }
-
-    fn segments(&mut self, count: usize) {
-        self.tally.segments += count as u64;
-    }
-}
-
-impl<F: Field> Detect<F> for Detector<'_> {
-    type Part = Tally;
-
-    fn begin(&mut self, incidence: usize) {
-        self.delta = &self.deltas[incidence];
-    }
-
-    fn finish(&mut self, trees: u64) -> Tally {
-        let lanes = self.tally.lanes;
-        let mut tally = std::mem::replace(&mut self.tally, Tally::new(lanes));
-        let mut order: Vec<usize> = (0..self.hit.len()).collect();
-        order.sort_unstable_by_key(|&i| self.hit[i].code);
-        for i in order {
-            let Hit { code, trees, .. } = self.hit[i];
-            self.rows[code as usize] = NOT_HIT;
-            tally.facets.push((code, trees));
-            tally.power.extend_from_slice(&self.power[i * lanes..(i + 1) * lanes]);
-        }
-        self.hit.clear();
-        self.power.clear();
-        tally.trees = trees;
-        tally
     }
 }

@@ -29,7 +29,7 @@ impl Outcome {
     pub fn into_measured(self, sample: &Sample, light: &Light, settings: &Settings, origin: Origin) -> Measured {
         let Outcome { bsdf, plan, stacks, .. } = self;
         let most = |entry: fn(&Ledger) -> &Vec<Estimate>| {
-            bsdf.incidences.iter().flat_map(|s| entry(&s.ledger)).map(|e| e.value).fold(0.0, f64::max)
+            bsdf.incidences.iter().flat_map(|s| entry(&s.ledger)).map(|e| e.value).fold(0.0, f64::max).min(1.0)
         };
         let smallest = plan.features.smallest().min(stacks.thinnest());
         let trees: u64 = bsdf.incidences.iter().map(|s| s.trees).sum();
@@ -39,8 +39,12 @@ impl Outcome {
             edge_flux: most(|l| &l.edge),
             edges: plan.films.edges.to_string(),
         };
-        let effect =
-            |e: crate::plan::Effect| EffectUsed { name: e.name.into(), on: e.on, reason: e.reason, bound: e.bound };
+        let effect = |e: crate::plan::Effect| EffectUsed {
+            name: e.name.to_string(),
+            on: e.on,
+            reason: e.reason,
+            bound: e.bound,
+        };
         let provenance = Provenance {
             version: env!("CARGO_PKG_VERSION").into(),
             command: origin.command,

@@ -66,14 +66,8 @@ pub fn sweep(
 fn shares(films: &Films, angle_deg: f64, polarization: Polarization) -> Shares {
     let both = films.solve(&Incidence::from_angle(films.first, angle_deg.to_radians()));
     let of = |a: &Amplitudes| Shares { reflected: a.reflectance(), transmitted: a.transmittance() };
-    match polarization {
-        Polarization::S => of(&both.s),
-        Polarization::P => of(&both.p),
-        Polarization::Unpolarized => {
-            let (s, p) = (of(&both.s), of(&both.p));
-            Shares { reflected: 0.5 * (s.reflected + p.reflected), transmitted: 0.5 * (s.transmitted + p.transmitted) }
-        }
-    }
+    let ([a, b], s, p) = (polarization.shares(), of(&both.s), of(&both.p));
+    Shares { reflected: a * s.reflected + b * p.reflected, transmitted: a * s.transmitted + b * p.transmitted }
 }
 
 fn colour_of(stack: &Stack, angle_deg: f64, polarization: Polarization) -> Option<Srgb> {

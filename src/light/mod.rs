@@ -1,8 +1,12 @@
 //! The light: its wavelengths, directions of incidence, polarization and bandwidth.
 
+mod coherence;
+mod polarization;
+
 use glam::DVec3;
 
-use crate::text::words;
+pub use coherence::{Coherence, SourceMode};
+pub use polarization::Polarization;
 
 /// What shines on the sample.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,74 +114,6 @@ fn exact_sin_cos(deg: f64) -> (f64, f64) {
     }
 }
 
-/// State of the incident light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Polarization {
-    /// Equal, incoherent parts of s and p.
-    Unpolarized,
-    /// Electric field perpendicular to the plane of incidence.
-    S,
-    /// Electric field in the plane of incidence.
-    P,
-}
-
-words!(Polarization { Unpolarized = "unpolarized", S = "s", P = "p" });
-
-/// What each wavelength of the grid stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SourceMode {
-    /// Its band: the coherence length is finite.
-    Band,
-    /// A laser line: everything plane-parallel is coherent.
-    Line,
-}
-
-words!(SourceMode { Band = "band", Line = "line" });
-
-/// Band of a single wavelength, nm: that of the default grid.
-const LONELY_BAND_NM: f64 = 20.0;
-
-/// Over which differences of optical paths waves interfere, µm: surely up to `full`, not at all beyond `none`, and in
-/// between for a share of the trees that falls linearly, so that nothing jumps when a film grows into a slab.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coherence {
-    /// Up to this path all is coherent.
-    pub full: f64,
-    /// From this path on nothing is.
-    pub none: f64,
-}
-
-impl Coherence {
-    /// Of a laser line.
-    pub const LINE: Self = Self { full: f64::INFINITY, none: f64::INFINITY };
-
-    /// The path over which waves of a tree interfere, for a number of the tree in [0, 1).
-    #[inline]
-    pub fn length(&self, number: f64) -> f64 {
-        if self.full == f64::INFINITY { self.full } else { self.full + number * (self.none - self.full) }
-    }
-
-    /// Share of the trees whose waves interfere over a path.
-    pub fn degree(&self, path: f64) -> f64 {
-        if path <= self.full { 1.0 } else { ((self.none - path) / (self.none - self.full)).max(0.0) }
-    }
-}
-
-impl Light {
-    /// Over which paths waves interfere. The band of a wavelength is as wide as the step of the grid; up to λ²/Δλ, the
-    /// first zero of its degree of coherence at the shortest wavelength, the grid shows the fringes of films, and the
-    /// value at a wavelength is that of the wavelength itself. Beyond twice that path there is none but the mean.
-    pub fn coherence(&self) -> Coherence {
-        if self.source == SourceMode::Line {
-            return Coherence::LINE;
-        }
-        let nm = self.wavelengths.nm();
-        let band = if nm.len() > 1 { (nm[nm.len() - 1] - nm[0]) / (nm.len() - 1) as f64 } else { LONELY_BAND_NM };
-        let full = nm[0] * nm[0] / band / 1e3;
-        Coherence { full, none: 2.0 * full }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -192,21 +128,6 @@ mod tests {
             assert!((k.cross(DVec3::Z) - s * k.with_z(0.0).length()).length() < 1e-15);
         }
         assert_eq!(Incidence { theta_deg: 0.0, phi_deg: 0.0 }.propagation(), DVec3::NEG_Z);
-    }
-
-    #[test]
-    fn coherence_follows_the_band() {
-        let mut light = Light {
-            wavelengths: Wavelengths::from_nm((0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect()).unwrap(),
-            incidences: Vec::new(),
-            polarization: Polarization::Unpolarized,
-            source: SourceMode::Band,
-        };
-        let coherence = light.coherence();
-        assert_eq!(coherence, Coherence { full: 8.0, none: 16.0 });
-        assert_eq!([4.0, 8.0, 10.0, 20.0].map(|path| coherence.degree(path)), [1.0, 1.0, 0.75, 0.0]);
-        light.source = SourceMode::Line;
-        assert_eq!(light.coherence().length(0.5), f64::INFINITY);
     }
 
     #[test]

@@ -103,6 +103,15 @@ impl Default for Solver {
 }
 
 impl Solver {
+    /// What [`film::absorptances`] gives: for each wavelength the share of each layer.
+    pub fn absorptances(&mut self, q: &Question<'_>, out: &mut Vec<Pair<f64>>) {
+        out.clear();
+        out.resize(q.wavelengths.len() * q.films.len(), Pair { s: 0.0, p: 0.0 });
+        if !q.films.is_empty() {
+            self.arch.dispatch(Losses { q, steps: &mut self.steps, out });
+        }
+    }
+
     /// What [`film::solve`] gives, for each wavelength.
     pub fn solve(&mut self, q: &Question<'_>, sides: Sides, out: &mut Vec<Pair<Amplitudes>>) {
         out.clear();
@@ -153,6 +162,37 @@ impl pulp::WithSimd for Work<'_> {
     }
 }
 
+struct Losses<'a> {
+    q: &'a Question<'a>,
+    steps: &'a mut Steps,
+    out: &'a mut [Pair<f64>],
+}
+
+impl pulp::WithSimd for Losses<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) {
+        let (count, layers) = (self.q.wavelengths.len(), self.q.films.len());
+        for number in 0..count.div_ceil(S::F64_LANES) {
+            let mut block = Block::new(s, self.q, number);
+            block.prepare(self.q, self.steps);
+            for p in [false, true] {
+                block.losses(self.steps, p, |layer, shares| {
+                    let medium = &self.q.media[self.q.films[layer].medium];
+                    let used = S::F64_LANES.min(count - number * S::F64_LANES);
+                    for (lane, share) in shares.into_iter().enumerate().take(used) {
+                        let w = number * S::F64_LANES + lane;
+                        let out = &mut self.out[w * layers + layer];
+                        let share = if medium.im[w] > 0.0 { share.max(0.0) } else { 0.0 };
+                        if p { out.p = share } else { out.s = share }
+                    }
+                });
+            }
+        }
+    }
+}
+
 fn amplitudes(rows: &[[f64; WIDEST]; 9], lane: usize) -> Amplitudes {
     let z = |i: usize| C64::new(rows[i][lane], rows[i + 1][lane]);
     Amplitudes { r: z(0), t: z(2), r_back: z(4), t_back: z(6), flux_ratio: rows[8][lane] }
@@ -172,9 +212,10 @@ enum Kind {
     Real,
     /// The same with complex coefficients: all real parts, then all imaginary ones.
     Complex,
-    /// As two waves: rows e^{2iδ}, and the admittance and its inverse for s, then for p; real parts, then imaginary ones.
+    /// As two waves: rows e^{2iδ}, and the admittance and its inverse for s, then for p; real parts, then imaginary ones;
+    /// then Im δ.
     Waves,
-    /// Some lanes as `Complex`, some as `Waves`: the rows of both, then one that is not 0 where waves count.
+    /// Some lanes as `Complex`, some as `Waves`: the rows of both; Im δ is 0 where waves do not count.
     Mixed,
 }
 
@@ -186,7 +227,8 @@ impl Kind {
     fn rows(self) -> usize {
         match self {
             Self::Real => COEFFICIENTS,
-            Self::Complex | Self::Waves => 2 * COEFFICIENTS,
+            Self::Complex => 2 * COEFFICIENTS,
+            Self::Waves => 2 * COEFFICIENTS + 1,
             Self::Mixed => 4 * COEFFICIENTS + 1,
         }
     }
@@ -333,10 +375,9 @@ impl<S: Simd> Block<S> {
             let zero = decay.number(0.0);
             let sum = self.turns + much.choose(turns - turns.round(), zero);
             self.turns = sum - sum.round();
-            self.decay = self.decay + much.choose(decay, zero);
-        }
-        if any && !all {
-            much.choose(decay, decay.number(0.0)).store(rows, 2 * COEFFICIENTS);
+            let decay = much.choose(decay, zero);
+            self.decay = self.decay + decay;
+            decay.store(rows, 2 * COEFFICIENTS);
         }
         end
     }
@@ -382,36 +423,78 @@ impl<S: Simd> Block<S> {
         Complex { re: cos, im: sin }.times(mantissa).times(limit(half)).times(limit(total - half))
     }
 
+    /// Calls `tell` with the share of the incident power that each layer absorbs, lane by lane, from the last layer on: the
+    /// difference of the fluxes through its faces.
+    #[inline(always)]
+    fn losses(&self, steps: &Steps, p: bool, mut tell: impl FnMut(usize, [f64; WIDEST])) {
+        let admittance = |n: Complex<S>, kz: Complex<S>| if p { kz.over(n * n) } else { kz };
+        let q0 = admittance(Complex::real(self.n0), Complex::real(self.kz0));
+        let mut wave = Wave::outgoing(admittance(self.last, self.kzn));
+        let mut decay = self.n0.number(0.0);
+        let mut met = Vec::with_capacity(steps.layers.len());
+        for (i, &(kind, start)) in steps.layers.iter().enumerate().rev() {
+            let rows = &steps.rows[start..start + kind.rows() * S::F64_LANES];
+            let before = wave.flux();
+            let kept = self.cross(&mut wave, kind, rows, p);
+            let lost = wave.flux() - kept.map_or(before, |(kept, _)| before * kept);
+            decay = kept.map_or(decay, |(_, more)| decay + more);
+            // In units of 2^scale.
+            let scale = (wave.exponent + decay * std::f64::consts::LOG2_E) * 2.0;
+            met.push((i, lost.to_array(), scale.to_array()));
+            wave.rescale();
+        }
+        let incident = (q0 * wave.u + wave.v).norm_sqr().over(q0.re * 4.0).to_array();
+        let end = ((wave.exponent + decay * std::f64::consts::LOG2_E) * 2.0).to_array();
+        for (layer, lost, scale) in met {
+            tell(layer, std::array::from_fn(|l| lost[l] * (scale[l] - end[l]).exp2() / incident[l]));
+        }
+    }
+
     /// Carries fields through all layers: from the back to the front, or the other way.
     #[inline(always)]
     fn sweep(&self, steps: &Steps, mut wave: Wave<S>, p: bool, backwards: bool) -> Wave<S> {
         let count = steps.layers.len();
-        let first = if p { 3 } else { 1 };
         for i in 0..count {
             let (kind, start) = steps.layers[if backwards { count - 1 - i } else { i }];
             let rows = &steps.rows[start..start + kind.rows() * S::F64_LANES];
-            let row = |i: usize| Lanes::load(self.s, rows, i);
-            let z = |at: usize, i: usize| Complex { re: row(at + i), im: row(at + i + COEFFICIENTS) };
-            match kind {
-                Kind::Real => wave.cross_real(row(0), row(first), row(first + 1)),
-                Kind::Complex => wave.cross_complex(z(0, 0), z(0, first), z(0, first + 1)),
-                Kind::Waves => wave.cross_as_waves(z(0, 0), z(0, first), z(0, first + 1)),
-                Kind::Mixed => {
-                    let second = 2 * COEFFICIENTS;
-                    let mut other = wave;
-                    wave.cross_complex(z(0, 0), z(0, first), z(0, first + 1));
-                    other.cross_as_waves(z(second, 0), z(second, first), z(second, first + 1));
-                    let much = row(2 * second).gt(self.n0.number(0.0));
-                    wave.u = much.choose_complex(other.u, wave.u);
-                    wave.v = much.choose_complex(other.v, wave.v);
-                }
-            }
+            self.cross(&mut wave, kind, rows, p);
             if i % STEPS_PER_RESCALING == STEPS_PER_RESCALING - 1 {
                 wave.rescale();
             }
         }
         wave.rescale();
         wave
+    }
+}
+
+impl<S: Simd> Block<S> {
+    /// Carries fields through one layer. Where waves are followed apart, they lack e^{iδ} on the other side; |e^{2iδ}|, by
+    /// which powers before count there, is returned with Im δ.
+    #[inline(always)]
+    fn cross(&self, wave: &mut Wave<S>, kind: Kind, rows: &[f64], p: bool) -> Option<(Lanes<S>, Lanes<S>)> {
+        let first = if p { 3 } else { 1 };
+        let row = |i: usize| Lanes::load(self.s, rows, i);
+        let z = |at: usize, i: usize| Complex { re: row(at + i), im: row(at + i + COEFFICIENTS) };
+        match kind {
+            Kind::Real => wave.cross_real(row(0), row(first), row(first + 1)),
+            Kind::Complex => wave.cross_complex(z(0, 0), z(0, first), z(0, first + 1)),
+            Kind::Waves => {
+                wave.cross_as_waves(z(0, 0), z(0, first), z(0, first + 1));
+                return Some((z(0, 0).norm_sqr().sqrt(), row(2 * COEFFICIENTS)));
+            }
+            Kind::Mixed => {
+                let second = 2 * COEFFICIENTS;
+                let mut other = *wave;
+                wave.cross_complex(z(0, 0), z(0, first), z(0, first + 1));
+                other.cross_as_waves(z(second, 0), z(second, first), z(second, first + 1));
+                let decay = row(2 * second);
+                let much = decay.gt(decay.number(0.0));
+                wave.u = much.choose_complex(other.u, wave.u);
+                wave.v = much.choose_complex(other.v, wave.v);
+                return Some((much.choose(z(second, 0).norm_sqr().sqrt(), decay.number(1.0)), decay));
+            }
+        }
+        None
     }
 }
 
@@ -522,6 +605,12 @@ impl<S: Simd> Wave<S> {
         let Self { u, v, .. } = *self;
         self.u = Complex { re: u.re * c + v.im * b, im: u.im * c - v.re * b };
         self.v = Complex { re: v.re * c + u.im * g, im: v.im * c - u.re * g };
+    }
+
+    /// Power that flows through the interface, in the units of these fields.
+    #[inline(always)]
+    fn flux(&self) -> Lanes<S> {
+        self.u.re * self.v.re + self.u.im * self.v.im
     }
 
     /// The wave that grows on the way stays, the other one is multiplied by e^{2iδ}; see [`film`].

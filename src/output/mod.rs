@@ -6,6 +6,7 @@ pub mod film;
 pub mod materials;
 mod measured;
 pub mod netcdf;
+pub mod plan;
 pub mod summary;
 pub mod table;
 

@@ -15,7 +15,7 @@ const TILT: f64 = 1e-3;
 #[derive(Clone, Debug, Default)]
 pub struct Marks {
     bits: Vec<u8>,
-    any: bool,
+    faces: usize,
     curved: BTreeSet<u64>,
 }
 
@@ -39,7 +39,12 @@ impl Marks {
 
     /// Whether a film may begin anywhere.
     pub fn any(&self) -> bool {
-        self.any
+        self.faces > 0
+    }
+
+    /// Number of faces where a film may begin.
+    pub fn count(&self) -> usize {
+        self.faces
     }
 
     /// Number of radii of curved faces where a film may begin.
@@ -48,8 +53,9 @@ impl Marks {
     }
 
     fn set(&mut self, prim: PrimId, face: u8) {
-        self.bits[prim.0 as usize] |= 1 << face;
-        self.any = true;
+        let bits = &mut self.bits[prim.0 as usize];
+        self.faces += usize::from(*bits >> face & 1 == 0);
+        *bits |= 1 << face;
     }
 
     /// Infinite layers among themselves: neighbours in height.

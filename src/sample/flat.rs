@@ -4,11 +4,12 @@
 use std::sync::Arc;
 
 use super::description::Description;
+use super::groups::Groups;
 use super::limits;
 use super::media_list::{MediaList, MediumId, MediumTable};
 use super::parts::Parts;
 use super::problem::Problems;
-use super::solid::Solid;
+use super::solid::{Matter, Solid};
 use super::tiling::{Cell, Tiling};
 use crate::geometry::{Aabb, PrimId, Primitives};
 use crate::light::{Coherence, Wavelengths};
@@ -20,6 +21,8 @@ pub struct Sample {
     pub media: Vec<MediumTable>,
     /// Solids, by owner number of the primitives.
     pub solids: Vec<Solid>,
+    /// Solids that are told apart in the ledger.
+    pub groups: Groups,
     /// Medium above everything.
     pub above: MediumId,
     /// Medium below everything.
@@ -58,7 +61,17 @@ impl Sample {
         let (primitives, tiling) = parts.flatten(description, &mut cell)?;
         let domain = cell.domain(&primitives);
         let (media, solids, primitives) = (media.tables, parts.solids, Arc::new(primitives));
-        Ok(Self { media, solids, above, below, cell, primitives, tiling, domain })
+        let groups = Groups::new(&solids, &media);
+        Ok(Self { media, solids, groups, above, below, cell, primitives, tiling, domain })
+    }
+
+    /// Whether light ends in, or at, some body.
+    pub fn has_opaque(&self) -> bool {
+        let opaque = |s: &Solid| match s.matter {
+            Matter::Medium(id) => self.media[usize::from(id.0)].is_opaque(),
+            Matter::Diffuse(_) | Matter::Mirror(_) => true,
+        };
+        self.solids.iter().any(opaque) || self.media[usize::from(self.below.0)].is_opaque()
     }
 
     /// The repetition of a primitive that is `shift` periods away, if it is near enough to be there. Along an axis on which

@@ -25,6 +25,13 @@ pub struct MediumTable {
 }
 
 impl MediumTable {
+    /// Whether bodies of it are opaque: at some wavelength light is absorbed within a few wavelengths.
+    pub fn is_opaque(&self) -> bool {
+        /// Least k/n of such a medium.
+        const OPAQUE: f64 = 0.05;
+        self.index.iter().any(|n| n.im > OPAQUE * n.re)
+    }
+
     /// Whether it absorbs at any wavelength.
     pub fn absorbs(&self) -> bool {
         self.index.iter().any(|n| n.im > 0.0)

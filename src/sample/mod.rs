@@ -5,6 +5,7 @@ mod file;
 mod fill;
 mod flat;
 pub mod generate;
+mod groups;
 mod limits;
 mod lonely;
 mod media_list;
@@ -20,5 +21,6 @@ pub mod tiling;
 
 pub use description::Description;
 pub use flat::Sample;
+pub use groups::Groups;
 pub use media_list::{MediumId, MediumTable};
 pub use solid::{Matter, Solid};

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use rustc_hash::FxBuildHasher;
 
 use super::finder::{Finder, Reach, Stack, Start, World};
-use super::media::{Beams, Media, Slant};
+use super::media::{Beams, Media};
 use super::report::Stacks;
-use crate::optics::batch::{Film, Question, Sides, Solver};
+use crate::optics::batch::{Question, Sides, Solver};
 use crate::optics::field::Field;
 use crate::optics::film::{Amplitudes, Incidence};
 use crate::optics::table::{Table, Tabulated};
@@ -30,6 +30,28 @@ pub struct Found<'a, P> {
     pub stack: &'a Stack,
     /// By number of the lane.
     pub beams: &'a [Beams<P>],
+    /// Who absorbs, if anything does.
+    pub absorption: Option<Absorption<'a>>,
+}
+
+/// How the layers of a stack, and the body behind it, absorb.
+#[derive(Clone, Copy)]
+pub struct Absorption<'a> {
+    /// Shares of s and p light, layer by layer, for each lane; none where no layer absorbs.
+    shares: &'a [Pair<f64>],
+    /// The group of the body each layer belongs to.
+    groups: &'a [u16],
+    /// That of the body behind, which takes what is left.
+    pub behind: u16,
+}
+
+impl Absorption<'_> {
+    /// Groups of the layers, with their shares for a lane.
+    pub fn layers(&self, lane: u16) -> impl Iterator<Item = (u16, Pair<f64>)> {
+        let n = self.groups.len();
+        let shares = self.shares.get(usize::from(lane) * n..).unwrap_or_default();
+        self.groups.iter().copied().zip(shares.iter().copied())
+    }
 }
 
 impl<F: Field> Films<F> {
@@ -53,31 +75,37 @@ impl<F: Field> Films<F> {
         let stack = self.finder.stack();
         self.stacks.add(&stack.layers, power);
         let curved = stack.uniform && world.scene.primitives().plane(start.surface).is_none();
-        let beams = self.solved.stack(world.media, start, stack, curved);
-        Found { stack, beams }
-    }
-
-    /// A single interface for every lane.
-    pub fn interface(&mut self, media: &Media, first: MediumId, last: MediumId, slant: Slant) -> &[Beams<F::Passage>] {
-        self.solved.interface(media, first, last, slant)
+        let solution = self.solved.stack(world.media, start, stack, curved);
+        let absorbs = world.media.is_opaque(stack.last) || !solution.losses.is_empty();
+        let absorption = absorbs.then(|| Absorption {
+            shares: &solution.losses,
+            groups: &stack.groups,
+            behind: world.solids.group_around(&stack.inside),
+        });
+        Found { stack, beams: &solution.beams, absorption }
     }
 }
 
 /// What a stack does to each lane.
-type PerLane<F> = Vec<Beams<<F as Field>::Passage>>;
+struct Solution<P> {
+    beams: Vec<Beams<P>>,
+    /// What each layer absorbs, lane by lane; empty if none does.
+    losses: Vec<Pair<f64>>,
+}
+
 type Known<T> = HashMap<Box<[u64]>, T, FxBuildHasher>;
 
 /// Solutions by stack and cosine, and tables over the cosine by stack.
 struct Solved<F: Field> {
     key: Vec<u64>,
-    exact: Known<PerLane<F>>,
+    exact: Known<Solution<F::Passage>>,
     /// `None` for stacks that cannot be tabulated.
     tables: Known<Option<Table>>,
     /// Whether stacks on curved faces are tabulated.
     tabulate: bool,
     work: Work,
     /// An answer that is not kept.
-    fleeting: PerLane<F>,
+    fleeting: Solution<F::Passage>,
 }
 
 /// Working memory of the solver.
@@ -87,6 +115,7 @@ struct Work {
     incidences: Vec<Incidence>,
     amplitudes: Vec<Pair<Amplitudes>>,
     coefficients: Vec<Coefficients>,
+    losses: Vec<Pair<f64>>,
     scratch: Vec<f64>,
 }
 
@@ -104,48 +133,55 @@ impl<F: Field> Solved<F> {
             tables: Known::default(),
             tabulate,
             work: Work::default(),
-            fleeting: Vec::new(),
+            fleeting: Solution { beams: Vec::new(), losses: Vec::new() },
         }
     }
 
     /// A stack at every lane. Whether it comes from a table depends on the stack alone, so that what was asked before
     /// does not matter.
-    fn stack(&mut self, media: &Media, start: &Start<'_>, stack: &Stack, curved: bool) -> &[Beams<F::Passage>] {
+    fn stack(&mut self, media: &Media, start: &Start<'_>, stack: &Stack, curved: bool) -> &Solution<F::Passage> {
         if !curved {
-            self.set_key(start.first, &stack.layers, stack.last, Some((start.slant.cos, stack.walked)));
-            let solve = || self.work.exact::<F>(media, start, stack);
-            return remember::<PerLane<F>>(&mut self.exact, MOST_SOLVED, &self.key, solve);
+            self.set_key(start, stack, true);
+            let solve = || {
+                self.work.solve(media, start, stack);
+                Solution {
+                    beams: self.work.beams::<F>(media, start, stack).collect(),
+                    losses: std::mem::take(&mut self.work.losses),
+                }
+            };
+            return remember(&mut self.exact, MOST_SOLVED, &self.key, solve);
         }
-        let mut from_table = false;
-        if self.tabulate && stack.layers.len() >= FEWEST_TABULATED {
-            self.set_key(start.first, &stack.layers, stack.last, None);
-            let work = &mut self.work;
-            let build = || Table::new(&mut work.solver, &tabulated(media, start.first, stack));
-            if let Some(table) = remember(&mut self.tables, MOST_TABLES, &self.key, build) {
-                table.at(start.slant.cos, &mut work.scratch, &mut work.coefficients);
-                from_table = true;
-            }
+        if !self.look_up(media, start, stack) {
+            self.work.solve(media, start, stack);
         }
-        if !from_table {
-            self.work.solve(media, start.first, start.slant, &stack.layers, stack.last);
-        }
-        self.fleeting.clear();
-        self.fleeting.extend(self.work.beams::<F>(media, start, stack));
+        self.fleeting.beams.clear();
+        self.fleeting.beams.extend(self.work.beams::<F>(media, start, stack));
+        std::mem::swap(&mut self.fleeting.losses, &mut self.work.losses);
         &self.fleeting
     }
 
-    fn interface(&mut self, media: &Media, first: MediumId, last: MediumId, slant: Slant) -> &[Beams<F::Passage>] {
-        self.set_key(first, &[], last, Some((slant.cos, 0.0)));
-        remember::<PerLane<F>>(&mut self.exact, MOST_SOLVED, &self.key, || {
-            (0..media.lanes() as u16).map(|lane| media.interface::<F>(first, last, lane, slant).0).collect()
-        })
+    /// Takes the coefficients from the table of the stack, if there is one.
+    fn look_up(&mut self, media: &Media, start: &Start<'_>, stack: &Stack) -> bool {
+        let absorbs = stack.layers.iter().any(|l| media.absorbs(MediumId(l.medium as u16)));
+        if !self.tabulate || stack.layers.len() < FEWEST_TABULATED || absorbs {
+            return false;
+        }
+        self.set_key(start, stack, false);
+        let work = &mut self.work;
+        let build = || Table::new(&mut work.solver, &tabulated(media, start.first, stack));
+        let Some(table) = remember(&mut self.tables, MOST_TABLES, &self.key, build) else { return false };
+        table.at(start.slant.cos, &mut work.scratch, &mut work.coefficients);
+        work.losses.clear();
+        true
     }
 
-    fn set_key(&mut self, first: MediumId, films: &[Film], last: MediumId, at: Option<(f64, f64)>) {
+    fn set_key(&mut self, start: &Start<'_>, stack: &Stack, with_cosine: bool) {
         self.key.clear();
-        self.key.push(u64::from(first.0) << 16 | u64::from(last.0));
-        self.key.extend(at.into_iter().flat_map(|(cos, walked)| [cos.to_bits(), walked.to_bits()]));
-        self.key.extend(films.iter().flat_map(|f| [f.medium as u64, f.thickness.to_bits()]));
+        self.key.push(u64::from(start.first.0) << 16 | u64::from(stack.last.0));
+        if with_cosine {
+            self.key.extend([start.slant.cos, stack.walked].map(f64::to_bits));
+        }
+        self.key.extend(stack.layers.iter().flat_map(|f| [f.medium as u64, f.thickness.to_bits()]));
     }
 }
 
@@ -166,27 +202,27 @@ fn tabulated<'a>(media: &'a Media, first: MediumId, stack: &'a Stack) -> Tabulat
 }
 
 impl Work {
-    fn exact<F: Field>(&mut self, media: &Media, start: &Start<'_>, stack: &Stack) -> PerLane<F> {
-        self.solve(media, start.first, start.slant, &stack.layers, stack.last);
-        self.beams::<F>(media, start, stack).collect()
-    }
-
-    /// Coefficients of a stack at every lane.
-    fn solve(&mut self, media: &Media, first: MediumId, slant: Slant, films: &[Film], last: MediumId) {
+    /// Coefficients of a stack at every lane, and what its layers absorb.
+    fn solve(&mut self, media: &Media, start: &Start<'_>, stack: &Stack) {
         let lanes = 0..media.lanes() as u16;
         self.incidences.clear();
-        self.incidences.extend(lanes.map(|lane| Incidence::from_cos(media.index(first, lane).re, slant.cos)));
+        self.incidences
+            .extend(lanes.map(|lane| Incidence::from_cos(media.index(start.first, lane).re, start.slant.cos)));
         let question = Question {
             incidences: &self.incidences,
             media: media.spectra(),
-            films,
-            last: usize::from(last.0),
+            films: &stack.layers,
+            last: usize::from(stack.last.0),
             wavelengths: media.wavelengths(),
         };
         self.solver.solve(&question, Sides::Front, &mut self.amplitudes);
         let of = |both: &Pair<Amplitudes>| Coefficients { r: both.map(|a| a.r), t: both.map(|a| a.t_power()) };
         self.coefficients.clear();
         self.coefficients.extend(self.amplitudes.iter().map(of));
+        self.losses.clear();
+        if stack.layers.iter().any(|l| media.absorbs(MediumId(l.medium as u16))) {
+            self.solver.absorptances(&question, &mut self.losses);
+        }
     }
 
     /// What these coefficients do to light that starts behind the stack where the probe left it.

@@ -40,6 +40,8 @@ pub struct Stack {
     pub uniform: bool,
     /// Whether a face of it ends somewhere.
     bounded: bool,
+    /// The group of the body that each layer belongs to.
+    pub groups: Vec<u16>,
     /// What each layer is inside of.
     within: Vec<Inside>,
 }
@@ -140,6 +142,7 @@ impl Finder {
                 inside: Inside::NOTHING,
                 uniform: true,
                 bounded: false,
+                groups: Vec::new(),
                 within: Vec::new(),
             },
         }
@@ -167,6 +170,7 @@ impl Finder {
     fn begin(&mut self, start: &Start<'_>, second: MediumId) {
         let stack = &mut self.stack;
         stack.layers.clear();
+        stack.groups.clear();
         stack.within.clear();
         (stack.last, stack.exit, stack.walked) = (second, start.point, 0.0);
         (stack.crossing, stack.surface, stack.shift) = (start.crossing, start.surface, [0, 0]);
@@ -300,6 +304,7 @@ impl Finder {
             return false;
         }
         let stack = &mut self.stack;
+        stack.groups.push(world.solids.group_around(&stack.inside));
         if met.edges {
             stack.within.push(stack.inside.clone());
         }

@@ -96,6 +96,8 @@ const OPAQUE: u16 = u16::MAX;
 /// The solids of a sample, for following rays.
 pub struct Solids {
     briefs: Vec<Brief>,
+    /// The group each solid belongs to in the ledger.
+    groups: Vec<u16>,
     any_open: bool,
     above: MediumId,
 }
@@ -113,7 +115,12 @@ impl Solids {
             lonely: s.lonely,
         };
         let any_open = sample.solids.iter().any(|s| !s.closed);
-        Self { briefs: sample.solids.iter().map(brief).collect(), any_open, above: sample.above }
+        Self {
+            briefs: sample.solids.iter().map(brief).collect(),
+            groups: sample.groups.of_solid.clone(),
+            any_open,
+            above: sample.above,
+        }
     }
 
     /// What is around a ray.
@@ -126,6 +133,18 @@ impl Solids {
                 medium => Around::Medium(MediumId(medium)),
             },
         }
+    }
+
+    /// The group of a solid in the ledger.
+    #[inline]
+    pub fn group(&self, solid: u32) -> u16 {
+        self.groups[solid as usize]
+    }
+
+    /// The group of what is around a ray. Where there is no body nothing absorbs.
+    #[inline]
+    pub fn group_around(&self, inside: &Inside) -> u16 {
+        inside.winner().map_or(0, |solid| self.group(solid))
     }
 
     /// Whether a solid is one convex primitive with nothing in it.

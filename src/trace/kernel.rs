@@ -40,7 +40,7 @@ impl<'a> Kernel<'a> {
     /// For a sample, the scene of its primitives, and the plan for it.
     pub fn new(sample: &'a Sample, scene: &'a Scene, plan: &'a Plan, light: &Light) -> Self {
         let wavelengths: Vec<f64> = light.wavelengths.um().collect();
-        let media = Media::new(&sample.media, plan, &wavelengths);
+        let media = Media::new(plan, &wavelengths);
         let (solids, shared) = (Solids::new(sample), shared_surfaces(scene));
         let far = plan.limits.walk * furthest(&sample.cell);
         Self { scene, sample, plan, solids, media, shared, far, follow_phase: false }

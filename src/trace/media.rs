@@ -25,9 +25,6 @@ struct Properties {
     absorbs: bool,
 }
 
-/// k/n above which a body counts as opaque: its light is absorbed within a few wavelengths.
-const OPAQUE: f64 = 0.05;
-
 /// How a ray is bent: index before over index behind, and cosine of the angle of refraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refraction {
@@ -63,19 +60,21 @@ pub struct Slant {
 }
 
 impl Media {
-    /// The media of a sample at the lanes of a plan; `wavelengths` (µm) are those of the light.
-    pub fn new(media: &[MediumTable], plan: &Plan, wavelengths: &[f64]) -> Self {
+    /// The media of a plan at its lanes; `wavelengths` (µm) are those of the light.
+    pub fn new(plan: &Plan, wavelengths: &[f64]) -> Self {
         let lanes = &plan.lanes;
-        let properties = |m: &MediumTable| Properties {
-            opaque: m.index.iter().any(|n| n.im > OPAQUE * n.re),
-            varies: lanes.iter().any(|&w| m.index[w] != m.index[lanes[0]]),
-            absorbs: m.absorbs(),
+        let media = &plan.media;
+        let spectra: Vec<Spectrum> = media.iter().map(|m| lanes.iter().map(|&w| m.index[w]).collect()).collect();
+        let properties = |(m, s): (&MediumTable, &Spectrum)| Properties {
+            opaque: m.is_opaque(),
+            varies: (0..s.len()).any(|lane| s.at(lane) != s.at(0)),
+            absorbs: (0..s.len()).any(|lane| s.at(lane).im > 0.0),
         };
         Self {
             wavelengths: lanes.iter().map(|&w| wavelengths[w]).collect(),
-            spectra: media.iter().map(|m| lanes.iter().map(|&w| m.index[w]).collect()).collect(),
-            index: media.iter().flat_map(|m| lanes.iter().map(|&w| m.index[w])).collect(),
-            properties: media.iter().map(properties).collect(),
+            index: spectra.iter().flat_map(|s| (0..s.len()).map(|lane| s.at(lane))).collect(),
+            properties: media.iter().zip(&spectra).map(properties).collect(),
+            spectra,
         }
     }
 

@@ -1,5 +1,6 @@
 //! Follows ray trees through the sample.
 
+mod effects;
 mod films;
 mod finder;
 mod inside;
@@ -13,6 +14,7 @@ mod schedule;
 mod stream;
 mod tracer;
 
+pub use effects::{All, Effects, Job, Of, with_kernel};
 pub use kernel::Kernel;
 pub use random::{Batch, TreeKey, TreeNumbers};
 #[cfg(test)]

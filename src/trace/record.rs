@@ -56,8 +56,8 @@ pub trait Recorder<F> {
     fn exit(&mut self, exit: &Exit<'_, F>);
     /// Power of a lane left sideways.
     fn side(&mut self, lane: u16, power: f64);
-    /// Power of a lane was absorbed.
-    fn absorb(&mut self, lane: u16, power: f64);
+    /// Power of a lane was absorbed by a body of this group.
+    fn absorb(&mut self, group: u16, lane: u16, power: f64);
     /// Power of a lane was lost.
     fn lose(&mut self, why: Loss, lane: u16, power: f64);
     /// Power of a lane met, for the first time on its way, a face so narrow that ray optics is in doubt, outside
@@ -86,7 +86,20 @@ pub(crate) mod tests {
         let query = Primitives::default().query(Ray { origin: DVec3::ZERO, dir });
         let slot = stream.insert(
             query,
-            Flight { frame, at, medium, inside, tree, branch, events, walk, border, doubtful: false, edge: false },
+            Flight {
+                frame,
+                at,
+                medium,
+                inside,
+                tree,
+                branch,
+                events,
+                walk,
+                border,
+                spread: 0.0,
+                doubtful: false,
+                edge: false,
+            },
         );
         stream.put(slot, 0, field);
         let (position, anchor) = (DVec3::ZERO, DVec3::ZERO);

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError, mpsc};
 
+use super::effects::Effects;
 use super::kernel::Kernel;
 use super::random::{Batch, TreeKey, TreeNumbers};
 use super::record::Recorder;
@@ -50,7 +51,7 @@ pub trait Detect<F: Field>: Recorder<F> {
 
 /// Traces `units` on all threads of `pool`. `detector` makes one recorder per thread; `deliver` gets the parts, and the
 /// stacks of films that were met, in the order of the units, and stops the work by returning `false`.
-pub fn run<F: Field, D: Detect<F>>(
+pub fn run<F: Field, E: Effects, D: Detect<F>>(
     kernel: &Kernel<'_>,
     light: &Light,
     units: &[Unit],
@@ -63,7 +64,7 @@ pub fn run<F: Field, D: Detect<F>>(
     let progress = Condvar::new();
     let (sender, receiver) = mpsc::channel();
     let work = |sender: mpsc::Sender<(usize, (D::Part, Stacks))>| {
-        let mut worker = Worker { tracer: Tracer::<F>::new(kernel), detector: detector(), order: Vec::new() };
+        let mut worker = Worker { tracer: Tracer::<F, E>::new(kernel), detector: detector(), order: Vec::new() };
         loop {
             let i = next.fetch_add(1, Ordering::Relaxed);
             let Some(unit) = units.get(i) else { break };
@@ -101,13 +102,13 @@ pub fn run<F: Field, D: Detect<F>>(
     });
 }
 
-struct Worker<'k, 'a, F: Field, D> {
-    tracer: Tracer<'k, 'a, F>,
+struct Worker<'k, 'a, F: Field, E, D> {
+    tracer: Tracer<'k, 'a, F, E>,
     detector: D,
     order: Vec<(u32, TreeNumbers)>,
 }
 
-impl<F: Field, D: Detect<F>> Worker<'_, '_, F, D> {
+impl<F: Field, E: Effects, D: Detect<F>> Worker<'_, '_, F, E, D> {
     /// Traces the trees of a unit, neighbours in the footprint together, so that their rays run together.
     fn trace(&mut self, light: &Light, unit: &Unit) -> D::Part {
         self.order.clear();

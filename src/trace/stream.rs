@@ -38,6 +38,8 @@ pub struct Flight {
     pub walk: [i32; 2],
     /// What ends its way if no interface does.
     pub border: Border,
+    /// By how much its direction may be off from that of one of its lanes, all refractions together, rad.
+    pub spread: f64,
     /// Whether it has met a face so narrow that ray optics is in doubt.
     pub doubtful: bool,
     /// Whether it has met a film near to an edge.
@@ -99,7 +101,7 @@ impl<F: Field> Stream<F> {
         self.answers.push(Nearest::none(0.0));
         self.flights.push(flight);
         self.masks.resize((slot + 1) * self.words, 0);
-        self.fields.resize((slot + 1) * self.lanes, F::unpolarized(0.0));
+        self.fields.resize((slot + 1) * self.lanes, F::incident([0.0; 4]));
         self.lengths.resize((slot + 1) * self.media, 0.0);
         slot
     }

@@ -1,10 +1,13 @@
 //! Follows the rays of a chunk of trees, generation by generation: all that need a search are asked together.
 
+use std::marker::PhantomData;
+
 use glam::DVec3;
 
+use super::effects::Effects;
 use super::films::Films;
 use super::inside::{Around, Inside};
-use super::interact::{Interface, Partition};
+use super::interact::{Interface, Partition, Scratch};
 use super::kernel::Kernel;
 use super::random::TreeKey;
 use super::record::{Exit, Loss, Recorder};
@@ -17,10 +20,11 @@ use crate::optics::field::Field;
 use crate::plan::Plan;
 
 /// The working memory of one thread.
-pub struct Tracer<'k, 'a, F: Field> {
+pub struct Tracer<'k, 'a, F: Field, E> {
     kernel: &'k Kernel<'a>,
     stream: Stream<F>,
     films: Films<F>,
+    scratch: Scratch<F>,
     /// Rays that wait for an answer, those that will wait next, and those that may not need one.
     asked: Vec<Slot>,
     next: Vec<Slot>,
@@ -32,15 +36,17 @@ pub struct Tracer<'k, 'a, F: Field> {
     segments: usize,
     /// What the ray at hand would be inside of behind the interface it meets.
     inside: Inside,
+    effects: PhantomData<E>,
 }
 
-impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
+impl<'k, 'a, F: Field, E: Effects> Tracer<'k, 'a, F, E> {
     /// Memory for one thread.
     pub fn new(kernel: &'k Kernel<'a>) -> Self {
         Self {
             kernel,
             stream: Stream::new(kernel.lanes(), kernel.followed()),
             films: Films::new(&kernel.plan.films),
+            scratch: Scratch::new(kernel.lanes()),
             asked: Vec::new(),
             next: Vec::new(),
             ready: Vec::new(),
@@ -49,6 +55,7 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
             first_tree: 0,
             segments: 0,
             inside: Inside::NOTHING,
+            effects: PhantomData,
         }
     }
 
@@ -94,11 +101,7 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
     ) {
         let kernel = self.kernel;
         let (dir, frame) = (incidence.propagation(), incidence.p_direction());
-        let field = match polarization {
-            Polarization::Unpolarized => F::unpolarized(1.0),
-            Polarization::S => F::linear(false),
-            Polarization::P => F::linear(true),
-        };
+        let field = F::incident(polarization.stokes());
         let cell = &kernel.sample.cell;
         self.keys.clear();
         self.anchors.clear();
@@ -119,14 +122,13 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
                 events: 0,
                 walk: [0, 0],
                 border,
+                spread: 0.0,
                 doubtful: false,
                 edge: false,
             };
-            for bundle in &kernel.plan.bundles {
-                let slot = self.stream.insert(query, flight.clone());
-                bundle.iter().for_each(|&lane| self.stream.put(slot, lane, field));
-                self.asked.push(slot);
-            }
+            let slot = self.stream.insert(query, flight);
+            (0..kernel.lanes() as u16).for_each(|lane| self.stream.put(slot, lane, field));
+            self.asked.push(slot);
         }
     }
 
@@ -195,17 +197,23 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
             normal,
             surface: order.surface,
             crossing,
-            may_be_film: marks.any() && crossings.iter().any(|c| marks.marked(c.prim, c.face)),
+            may_be_film: E::FILMS && marks.any() && crossings.iter().any(|c| marks.marked(c.prim, c.face)),
             narrow: features.any() && crossings.iter().all(|c| features.is_small(c.prim, c.face)),
             inside: &self.inside,
             around,
         };
         let numbers = self.keys[(flight.tree - self.first_tree) as usize];
-        let mut partition =
-            Partition { kernel, stream: &mut self.stream, slot, interface: &interface, numbers, recorder };
-        let beams = partition.run(&mut self.films);
-        // The reflected beam is sent on first.
-        self.ready.extend(beams.into_iter().rev().flatten());
+        let mut partition = Partition {
+            kernel,
+            stream: &mut self.stream,
+            slot,
+            interface: &interface,
+            numbers,
+            recorder,
+            ready: &mut self.ready,
+            effects: PhantomData::<E>,
+        };
+        partition.run(&mut self.films, &mut self.scratch);
     }
 
     /// Accounts for the way to distance `t`.
@@ -215,7 +223,7 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
         if self.kernel.follow_phase {
             self.stream.add_length(slot, medium, t - self.stream.queries[slot].from.t);
         }
-        if self.kernel.media.absorbs(medium) {
+        if E::ABSORBS && self.kernel.media.absorbs(medium) {
             self.absorb(slot, t - self.stream.queries[slot].from.t, recorder);
         }
     }
@@ -223,13 +231,14 @@ impl<'k, 'a, F: Field> Tracer<'k, 'a, F> {
     /// Beer and Lambert.
     fn absorb(&mut self, slot: Slot, length: f64, recorder: &mut impl Recorder<F>) {
         let media = &self.kernel.media;
-        let medium = self.stream.flights[slot].medium;
+        let Flight { medium, inside, .. } = &self.stream.flights[slot];
+        let (medium, group) = (*medium, self.kernel.solids.group_around(inside));
         for word in 0..self.stream.words() {
             for bit in super::stream::Bits(self.stream.word(slot, word)) {
                 let lane = (64 * word) as u16 + bit;
                 let field = self.stream.field(slot, lane);
                 let decay = -2.0 * media.wave_number(lane) * media.index(medium, lane).im * length;
-                recorder.absorb(lane, field.power() * -decay.exp_m1());
+                recorder.absorb(group, lane, field.power() * -decay.exp_m1());
                 self.stream.put(slot, lane, field.scaled(decay.exp()));
             }
         }

@@ -8,7 +8,7 @@ use gonio_embree::light::Light;
 use gonio_embree::optics::field::{Field, Stokes};
 use gonio_embree::plan::{Limits, Options, Plan, Wanted};
 use gonio_embree::sample::Sample;
-use gonio_embree::trace::{Batch, Detect, Exit, Kernel, Loss, Recorder, Tracer, TreeKey, TreeNumbers, Unit, run};
+use gonio_embree::trace::{All, Batch, Detect, Exit, Kernel, Loss, Recorder, Tracer, TreeKey, TreeNumbers, Unit, run};
 
 /// Usual settings.
 pub fn settings(trees: u64) -> Settings {
@@ -53,7 +53,7 @@ impl<F: Field> Recorder<F> for Heard<F> {
         self.side += power;
     }
 
-    fn absorb(&mut self, _: u16, power: f64) {
+    fn absorb(&mut self, _: u16, _: u16, power: f64) {
         self.absorbed += power;
     }
 
@@ -88,7 +88,7 @@ pub fn listen<F: Field>(
     entries: &Entries,
 ) -> Heard<F> {
     let plan = Plan::new(sample, light, &Options { limits, wanted: effects, ..Options::default() });
-    listen_to(&plan, effects == Wanted::All, sample, light, backend, entries)
+    listen_to(&plan, effects == Wanted::ALL, sample, light, backend, entries)
 }
 
 /// The same for any plan; `phase` says whether lengths are followed.
@@ -103,7 +103,7 @@ pub fn listen_to<F: Field>(
     let scene = Scene::new(sample.primitives.clone(), sample.domain, backend).unwrap();
     let kernel = Kernel::new(sample, &scene, plan, light);
     let kernel = if phase { kernel.with_phase() } else { kernel };
-    let mut tracer = Tracer::<F>::new(&kernel);
+    let mut tracer = Tracer::<F, All>::new(&kernel);
     let mut heard = Heard { exits: Vec::new(), side: 0.0, absorbed: 0.0, lost: 0.0 };
     for (i, part) in entries.chunks(256).enumerate() {
         let incidence = &light.incidences[0];
@@ -136,7 +136,7 @@ impl<F: Field, B: Fn(DVec3) -> Option<usize>> Recorder<F> for Histogram<'_, B> {
         self.elsewhere(power);
     }
 
-    fn absorb(&mut self, _: u16, power: f64) {
+    fn absorb(&mut self, _: u16, _: u16, power: f64) {
         self.elsewhere(power);
     }
 
@@ -178,7 +178,7 @@ pub fn histogram(
     let units: Vec<Unit> = batches.iter().flat_map(|&b| Unit::cut(b, trees)).collect();
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(batches.len());
     let make = || Histogram { bin: &bin, power: vec![0.0; bins + 1] };
-    run::<Stokes, _>(&kernel, light, &units, &pool, make, |unit, part, _| {
+    run::<Stokes, All, _>(&kernel, light, &units, &pool, make, |unit, part, _| {
         if unit.first == 0 {
             rows.push(vec![0.0; bins + 1]);
         }

@@ -1,0 +1,177 @@
+//! Takes what the tracer tells into a tally.
+
+use glam::DVec3;
+
+use super::frame;
+use super::geodesic::{Locator, count};
+use super::tally::{Entry, Shape, Tally};
+use crate::optics::field::Field;
+use crate::trace::{Detect, Exit, Loss, Recorder};
+
+/// Directions in which a flat sample sends all its light: kept apart from the facets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Delta {
+    /// Mirror direction.
+    pub specular: DVec3,
+    /// Straight through, per lane: refracted by the medium below.
+    pub undeflected: Vec<DVec3>,
+}
+
+/// Directions closer than this are the same: far above rounding, far below any lobe.
+const SAME_DIRECTION: f64 = 1e-9;
+
+/// The dome of one worker, reused from chunk to chunk.
+pub struct Detector<'a> {
+    locator: &'a Locator,
+    tally: Tally,
+    /// Delta directions per incidence, and which of them holds now.
+    deltas: &'a [Delta],
+    delta: &'a Delta,
+    /// Row of each facet in `power`, or [`NOT_HIT`].
+    rows: Vec<u32>,
+    hit: Vec<Hit>,
+    power: Vec<f64>,
+}
+
+struct Hit {
+    code: u32,
+    trees: u32,
+    last_tree: u32,
+}
+
+const NOT_HIT: u32 = u32::MAX;
+
+impl<'a> Detector<'a> {
+    /// A dome with the facets of `locator`, for light of the incidences with these delta directions.
+    ///
+    /// # Panics
+    /// When there is no incidence.
+    pub fn new(locator: &'a Locator, shape: Shape, deltas: &'a [Delta]) -> Self {
+        Self {
+            locator,
+            tally: Tally::new(shape),
+            deltas,
+            delta: &deltas[0],
+            rows: vec![NOT_HIT; count(locator.level()) as usize],
+            hit: Vec::new(),
+            power: Vec::new(),
+        }
+    }
+
+    fn row(&mut self, dir: DVec3, tree: u32) -> &mut [f64] {
+        let width = self.tally.shape().row();
+        let code = self.locator.code(dir);
+        let row = &mut self.rows[code as usize];
+        if *row == NOT_HIT {
+            *row = self.hit.len() as u32;
+            self.hit.push(Hit { code, trees: 0, last_tree: u32::MAX });
+            self.power.resize(self.power.len() + width, 0.0);
+        }
+        let row = *row as usize;
+        let hit = &mut self.hit[row];
+        if hit.last_tree != tree {
+            hit.last_tree = tree;
+            hit.trees += 1;
+        }
+        &mut self.power[row * width..(row + 1) * width]
+    }
+
+    /// Light in the mirror direction, or straight behind the sample, in its s and p frame.
+    fn take_delta<F: Field>(&mut self, exit: &Exit<'_, F>, behind: bool) {
+        let entry = if behind { Entry::Undeflected } else { Entry::Specular };
+        let turn = frame::turn(exit.dir, exit.frame, frame::theta(exit.dir));
+        for (lane, field) in exit.loads() {
+            self.tally.add(entry as usize, lane, field.power());
+            if F::COMPONENTS > 1 {
+                let mut components = [0.0; 16];
+                field.rotated(turn[0], turn[1]).add_to(&mut components);
+                for (i, x) in components.into_iter().enumerate() {
+                    self.tally.add(self.tally.shape().delta(behind, i), lane, x);
+                }
+            }
+        }
+    }
+}
+
+fn same(a: DVec3, b: DVec3) -> bool {
+    a.distance_squared(b) < SAME_DIRECTION * SAME_DIRECTION
+}
+
+impl<F: Field> Recorder<F> for Detector<'_> {
+    fn exit(&mut self, exit: &Exit<'_, F>) {
+        let up = exit.dir.z > 0.0;
+        let total = if up { Entry::Reflected } else { Entry::Transmitted };
+        exit.loads().for_each(|(lane, field)| self.tally.add(total as usize, lane, field.power()));
+        // The straight direction may differ between lanes, but only where each has a ray of its own.
+        let straight = |lane: u16| !up && same(exit.dir, self.delta.undeflected[usize::from(lane)]);
+        if (up && same(exit.dir, self.delta.specular)) || exit.loads().next().is_some_and(|(lane, _)| straight(lane)) {
+            return self.take_delta(exit, !up);
+        }
+        let row = self.row(exit.dir, exit.tree);
+        if F::COMPONENTS == 1 {
+            return exit.loads().for_each(|(lane, field)| row[usize::from(lane)] += field.power());
+        }
+        let [cos, sin] = frame::turn(exit.dir, exit.frame, frame::carried(exit.dir));
+        for (lane, field) in exit.loads() {
+            field.rotated(cos, sin).add_to(&mut row[usize::from(lane) * F::COMPONENTS..]);
+        }
+    }
+
+    fn side(&mut self, lane: u16, power: f64) {
+        self.tally.add(Entry::Side as usize, lane, power);
+    }
+
+    fn absorb(&mut self, group: u16, lane: u16, power: f64) {
+        self.tally.add(Entry::Absorbed as usize, lane, power);
+        let shape = self.tally.shape();
+        if usize::from(group) < shape.groups {
+            self.tally.add(shape.group(group.into()), lane, power);
+        }
+    }
+
+    fn lose(&mut self, why: Loss, lane: u16, power: f64) {
+        let entry = match why {
+            Loss::Medium => Entry::LostMedium,
+            Loss::Depth => Entry::LostDepth,
+            Loss::Numeric => Entry::LostNumeric,
+        };
+        self.tally.add(entry as usize, lane, power);
+    }
+
+    fn doubt(&mut self, lane: u16, power: f64) {
+        self.tally.add(Entry::Doubtful as usize, lane, power);
+    }
+
+    fn edge(&mut self, lane: u16, power: f64) {
+        self.tally.add(Entry::Edge as usize, lane, power);
+    }
+
+    fn segments(&mut self, count: usize) {
+        self.tally.segments += count as u64;
+    }
+}
+
+impl<F: Field> Detect<F> for Detector<'_> {
+    type Part = Tally;
+
+    fn begin(&mut self, incidence: usize) {
+        self.delta = &self.deltas[incidence];
+    }
+
+    fn finish(&mut self, trees: u64) -> Tally {
+        let shape = self.tally.shape();
+        let width = shape.row();
+        let mut tally = std::mem::replace(&mut self.tally, Tally::new(shape));
+        let mut order: Vec<usize> = (0..self.hit.len()).collect();
+        order.sort_unstable_by_key(|&i| self.hit[i].code);
+        for i in order {
+            let Hit { code, trees, .. } = self.hit[i];
+            self.rows[code as usize] = NOT_HIT;
+            tally.push_facet(code, trees, &self.power[i * width..(i + 1) * width]);
+        }
+        self.hit.clear();
+        self.power.clear();
+        tally.trees = trees;
+        tally
+    }
+}

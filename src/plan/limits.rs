@@ -1,0 +1,35 @@
+//! How far rays are followed, and how finely.
+
+/// Finest level of the dome if nobody chooses it.
+pub const DOME_LEVEL: u8 = 5;
+
+/// How far rays are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Interfaces a ray may meet; beyond, its power counts as lost.
+    pub depth: u32,
+    /// Footprints (or heights of the sample, if it is higher than wide) a ray may walk sideways; beyond, its power has
+    /// left through the side.
+    pub walk: f64,
+    /// At how many interfaces of a tree both branches are followed.
+    pub splits: u32,
+    /// A branch of less power than this is not followed after a split; its power counts as lost beyond the depth.
+    pub faintest: f64,
+    /// By how much the direction of a wavelength may differ from that of the ray it shares with others, rad; beyond,
+    /// refraction parts them. With 0 every wavelength has a ray of its own.
+    pub spread: f64,
+}
+
+impl Limits {
+    /// A quarter of the width of the facets of a dome of this level, rad: what one can hardly see.
+    pub fn spread_for(dome_level: u8) -> f64 {
+        let facets = 20.0 * f64::from(4u32.pow(dome_level.into()));
+        0.25 * (4.0 * std::f64::consts::PI / facets).sqrt()
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { depth: 10_000, walk: 100.0, splits: 1, faintest: 0.0, spread: Self::spread_for(DOME_LEVEL) }
+    }
+}
