@@ -17,6 +17,8 @@ import mitsuba as mi
 import numpy as np
 
 mi.set_variant("llvm_ad_mono_polarized")
+if dr.detail.llvm_version() < (17, 0):
+    raise SystemExit("Mitsuba needs LLVM 17 or newer here: apt-get install libllvm19, or DRJIT_LIBLLVM_PATH=libLLVM.so")
 
 # A ray starts this far beside the surface it leaves: some 20 roundings of a coordinate of 4. Mitsuba's own distance
 # would be ten times that.

@@ -130,7 +130,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", nargs="?", type=Path, help="gonio-embree")
     parser.add_argument("--seed", type=int, default=1, help="of the samples and of all random numbers")
-    parser.add_argument("--rays", type=int, default=12_800_000, help="of Mitsuba, per sample")
+    parser.add_argument("--rays", type=int, default=9_600_000, help="of Mitsuba, per sample")
     parser.add_argument("--trees", type=int, default=2_000_000, help="of the program, per sample")
     parser.add_argument("--only", help="samples with this in their name")
     options = parser.parse_args()
