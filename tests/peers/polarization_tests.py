@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from scipy import stats
 
-from geodesic import carried_x, theta_hat, to_theta
+from geodesic import carried_x, to_theta
 from mitsuba_goniometer import launch
 from stokes import turn
 
