@@ -76,10 +76,12 @@ impl<'a> Detector<'a> {
         &mut self.power[row * width..(row + 1) * width]
     }
 
-    /// Light in the mirror direction, or straight behind the sample, in its s and p frame.
-    fn take_delta<F: Field>(&mut self, exit: &Exit<'_, F>, behind: bool) {
+    /// Light in the mirror direction, or straight behind the sample, in the s and p frame of that direction: its own
+    /// differs by rounding, and at a pole any azimuth is that near.
+    fn take_delta<F: Field>(&mut self, exit: &Exit<'_, F>, direction: DVec3) {
+        let behind = direction.z < 0.0;
         let entry = if behind { Entry::Undeflected } else { Entry::Specular };
-        let turn = frame::turn(exit.dir, exit.frame, frame::theta(exit.dir));
+        let turn = frame::turn(exit.dir, exit.frame, frame::theta(direction));
         for (lane, field) in exit.loads() {
             self.tally.add(entry as usize, lane, field.power());
             if F::COMPONENTS > 1 {
@@ -103,9 +105,10 @@ impl<F: Field> Recorder<F> for Detector<'_> {
         let total = if up { Entry::Reflected } else { Entry::Transmitted };
         exit.loads().for_each(|(lane, field)| self.tally.add(total as usize, lane, field.power()));
         // The straight direction may differ between lanes, but only where each has a ray of its own.
-        let straight = |lane: u16| !up && same(exit.dir, self.delta.undeflected[usize::from(lane)]);
-        if (up && same(exit.dir, self.delta.specular)) || exit.loads().next().is_some_and(|(lane, _)| straight(lane)) {
-            return self.take_delta(exit, !up);
+        let straight = || exit.loads().next().map(|(lane, _)| self.delta.undeflected[usize::from(lane)]);
+        let delta = if up { Some(self.delta.specular) } else { straight() };
+        if let Some(direction) = delta.filter(|&d| same(exit.dir, d)) {
+            return self.take_delta(exit, direction);
         }
         let row = self.row(exit.dir, exit.tree);
         if F::COMPONENTS == 1 {
@@ -173,5 +176,33 @@ impl<F: Field> Detect<F> for Detector<'_> {
         self.power.clear();
         tally.trees = trees;
         tally
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::field::Mueller;
+    use crate::trace::testing;
+
+    /// Light that left a tilted plate has an azimuth of mere rounding.
+    #[test]
+    fn rounding_at_a_pole_turns_no_frame() {
+        let locator = Locator::new(1);
+        let deltas = [Delta { specular: DVec3::Z, undeflected: vec![DVec3::NEG_Z] }];
+        let shape = Shape { lanes: 1, components: 16, groups: 0 };
+        for behind in [false, true] {
+            let mut detector = Detector::new(&locator, shape, &deltas);
+            for (tree, azimuth) in [0.0, 0.8, 1.6, 2.5].into_iter().enumerate() {
+                let z = if behind { -1.0 } else { 1.0 };
+                let dir = DVec3::new(1e-16 * f64::cos(azimuth), 1e-16 * f64::sin(azimuth), z);
+                testing::exit(&mut detector, tree as u32, dir, Mueller::incident([0.25; 4]));
+            }
+            let tally = Detect::<Mueller>::finish(&mut detector, 4);
+            for i in 0..16 {
+                let expected = if i % 5 == 0 { 1.0 } else { 0.0 };
+                assert!((tally.terms()[shape.delta(behind, i)] - expected).abs() < 1e-12, "{behind} {i}");
+            }
+        }
     }
 }
