@@ -4,7 +4,7 @@
 use gonio_embree::films::Films;
 use gonio_embree::films::cases::{Case, Direction, read};
 use gonio_embree::optics::C64;
-use gonio_embree::optics::film::Layer;
+use gonio_embree::optics::film::{Incidence, Layer, absorptances};
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
@@ -117,6 +117,70 @@ fn all_finite_numbers_have_a_finite_answer() {
     let mut draw = Draw::new(WIDEST);
     for case in (0..30_000).map(|_| draw.case()) {
         assert!(case.solve().is_finite(), "no answer: {case:?}");
+    }
+}
+
+/// What comes back or goes through, and what each layer absorbs.
+struct Balance {
+    outside: f64,
+    absorbed: Vec<f64>,
+}
+
+impl Balance {
+    fn one_by_one(case: &Case) -> Self {
+        let Films { layers, last, wavelength_nm, .. } = &case.once;
+        let absorbed = absorptances(&incidence(case), layers, *last, *wavelength_nm);
+        let a = case.solve();
+        Self { outside: a.reflectance() + a.transmittance(), absorbed: if case.p { absorbed.p } else { absorbed.s } }
+    }
+}
+
+fn incidence(case: &Case) -> Incidence {
+    let first = case.once.first;
+    match case.direction {
+        Direction::Angle(deg) => Incidence::from_angle(first, deg.to_radians()),
+        Direction::Cos(cos) => Incidence::from_cos(first, cos),
+        Direction::Kx(kx) => Incidence::from_kx(first, kx),
+    }
+}
+
+/// Layers take shares of the light: with what a clear last medium lets through all that there is, else no more.
+fn check_balance(case: &Case) {
+    let Balance { outside, absorbed } = Balance::one_by_one(case);
+    let all = outside + absorbed.iter().sum::<f64>();
+    let closed = case.once.last.im > 0.0 || all >= 1.0 - 1e-12;
+    let shares = absorbed.iter().all(|&x| x >= 0.0) && all <= 1.0 + 1e-12;
+    assert!(shares && closed, "{outside} outside, {absorbed:?}: {case:?}");
+}
+
+#[test]
+fn layers_absorb_shares() {
+    for decades in [WIDE, WIDER, WIDEST] {
+        let mut draw = Draw::new(decades);
+        for case in (0..30_000).map(|_| draw.case()) {
+            check_balance(&case);
+        }
+    }
+}
+
+/// A wave bound to the back of a metal without losses, met to the last bit, or nearly; behind, something that absorbs
+/// less than rounding does.
+#[test]
+fn bound_modes_absorb_shares() {
+    for (m, ulps) in (1..400).flat_map(|m| (-40..=40).map(move |ulps| (m, ulps))) {
+        let k = 1.0 + 0.01 * f64::from(m);
+        // k_x² = ε₁ε₂/(ε₁ + ε₂) between ε₁ = −k² and ε₂ = 1.
+        let kx = (k * k / (k * k - 1.0)).sqrt() * (1.0 + f64::from(ulps) * f64::EPSILON);
+        for thickness in [1.5, 3.0, 300.0, 1e5] {
+            for behind in [None, Some(C64::new(1.0, 1e-18))] {
+                let layer = |index, thickness| Layer { index, thickness };
+                let metal = [layer(C64::new(0.0, k), thickness)];
+                let layers = metal.into_iter().chain(behind.map(|index| layer(index, 0.2))).collect();
+                let once = Films { first: 2.0 * kx, layers, last: C64::from(1.0), wavelength_nm: 1.0 };
+                let direction = Direction::Kx(kx);
+                check_balance(&Case { id: "bound".into(), once, repeat: 1, direction, p: true });
+            }
+        }
     }
 }
 
