@@ -425,7 +425,7 @@ fn exp_scaled(x: f64, exponent: i32) -> f64 {
 }
 
 /// No layer: differences of squares, relatively accurate for nearly equal indices.
-pub(super) fn bare(incidence: &Incidence, last: C64) -> Pair<Amplitudes> {
+fn bare(incidence: &Incidence, last: C64) -> Pair<Amplitudes> {
     let n0 = C64::new(incidence.index, 0.0);
     let (kz0, kzn) = (incidence.normal(n0), incidence.normal(last));
     let (n0_2, nn_2) = (n0 * n0, last * last);

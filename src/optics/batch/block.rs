@@ -13,7 +13,7 @@ use crate::optics::lanes::{Complex, Lanes, Mask, WIDEST};
 /// One block of wavelengths: what is known of them outside the stack.
 pub(super) struct Block<S: Simd> {
     pub s: S,
-    number: usize,
+    pub number: usize,
     /// Index and normal wave number of the first medium.
     pub n0: Lanes<S>,
     pub kz0: Lanes<S>,
@@ -85,6 +85,14 @@ impl<S: Simd> Block<S> {
             return travelling;
         }
         normal.travels.choose_complex(travelling, normal.squared.outgoing_root())
+    }
+
+    /// V/U of waves in the first medium and in the last.
+    #[inline(always)]
+    pub fn admittances(&self, p: bool) -> [Complex<S>; 2] {
+        let (q0, qn) = (Complex::real(self.kz0), self.kzn);
+        let first = Complex::real(self.n0);
+        if p { [q0.over(first * first), qn.over(self.last * self.last)] } else { [q0, qn] }
     }
 
     /// Fills in the steps through all layers.

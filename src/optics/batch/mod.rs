@@ -2,17 +2,20 @@
 //!
 //! A `block` of wavelengths fills in the `steps` through all layers, each from what a `slab` does there:
 //! what depends on a layer only (its wave number, its phase) is computed once for both polarizations and both directions.
-//! A `wave` then goes through them, and its fields at the ends are the amplitudes that `solve` gives.
+//! A `wave` then goes through them, and its fields at the ends are the amplitudes that `solve` gives; its fluxes between
+//! them, the `losses`.
 
 mod block;
+mod losses;
 mod slab;
 mod solve;
 mod steps;
 mod wave;
 
+use self::losses::Losses;
 use self::solve::Work;
 use self::steps::Steps;
-use super::film::{self, Amplitudes, Incidence, Layer, bare};
+use super::film::{self, Amplitudes, Incidence, Layer};
 use super::lanes::WIDEST;
 use super::{C64, Pair};
 
@@ -81,6 +84,11 @@ impl Question<'_> {
     fn last(&self) -> &Spectrum {
         &self.media[self.last]
     }
+
+    /// Whether lanes may answer: they do not look after numbers whose squares leave the range.
+    fn is_usual(&self, w: usize) -> bool {
+        (1e-6..1e6).contains(&self.incidences[w].index)
+    }
 }
 
 /// From which sides a stack is lit.
@@ -110,22 +118,36 @@ impl Solver {
     pub fn solve(&mut self, q: &Question<'_>, sides: Sides, out: &mut Vec<Pair<Amplitudes>>) {
         out.clear();
         if q.films.is_empty() {
-            out.extend(q.incidences.iter().enumerate().map(|(w, incidence)| bare(incidence, q.last().at(w))));
+            out.extend((0..q.wavelengths.len()).map(|w| one_by_one(q, w, film::solve)));
             return;
         }
         self.arch.dispatch(Work { q, sides, steps: &mut self.steps, out });
-        // Lanes do not look after numbers whose squares leave the range.
         for (w, both) in out.iter_mut().enumerate() {
-            if !both.s.is_finite() || !both.p.is_finite() || !(1e-6..1e6).contains(&q.incidences[w].index) {
-                *both = one_by_one(q, w);
+            if !both.s.is_finite() || !both.p.is_finite() || !q.is_usual(w) {
+                *both = one_by_one(q, w, film::solve);
+            }
+        }
+    }
+
+    /// What [`film::absorptances`] gives: for each wavelength, what each layer absorbs.
+    pub fn absorptances(&mut self, q: &Question<'_>, out: &mut Vec<Pair<f64>>) {
+        out.clear();
+        if q.films.is_empty() {
+            return;
+        }
+        out.resize(q.wavelengths.len() * q.films.len(), Pair { s: 0.0, p: 0.0 });
+        self.arch.dispatch(Losses { q, steps: &mut self.steps, out });
+        for (w, shares) in out.chunks_exact_mut(q.films.len()).enumerate() {
+            if !shares.iter().all(|both| both.s.is_finite() && both.p.is_finite()) || !q.is_usual(w) {
+                let Pair { s, p } = one_by_one(q, w, film::absorptances);
+                shares.iter_mut().zip(s.into_iter().zip(p)).for_each(|(share, (s, p))| *share = Pair { s, p });
             }
         }
     }
 }
 
-#[cold]
-fn one_by_one(q: &Question<'_>, w: usize) -> Pair<Amplitudes> {
+fn one_by_one<T>(q: &Question<'_>, w: usize, solve: impl Fn(&Incidence, &[Layer], C64, f64) -> Pair<T>) -> Pair<T> {
     let layers: Vec<Layer> =
         q.films.iter().map(|f| Layer { index: q.media[f.medium].at(w), thickness: f.thickness }).collect();
-    film::solve(&q.incidences[w], &layers, q.last().at(w), q.wavelengths[w])
+    solve(&q.incidences[w], &layers, q.last().at(w), q.wavelengths[w])
 }

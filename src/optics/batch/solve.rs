@@ -50,8 +50,7 @@ impl<S: Simd> Block<S> {
     #[inline(always)]
     fn solve(&self, steps: &Steps, p: bool, sides: Sides) -> Solved<S> {
         let first = Complex::real(self.n0);
-        let admittance = |n: Complex<S>, kz: Complex<S>| if p { kz.over(n * n) } else { kz };
-        let (q0, qn) = (admittance(first, Complex::real(self.kz0)), admittance(self.last, self.kzn));
+        let [q0, qn] = self.admittances(p);
         let zero = Complex::real(self.n0.number(0.0));
         let front = self.sweep(steps, Wave::outgoing(qn), p, true);
         let denominator = q0 * front.u + front.v;

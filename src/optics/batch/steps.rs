@@ -5,7 +5,7 @@
 
 use pulp::Simd;
 
-use crate::optics::lanes::{Complex, Lanes};
+use crate::optics::lanes::{Complex, Lanes, Mask};
 
 /// What layers do to fields: rows of lanes, layer by layer.
 #[derive(Debug, Default)]
@@ -13,6 +13,8 @@ pub(super) struct Steps {
     /// How, and where the rows start.
     layers: Vec<(Kind, usize)>,
     pub rows: Vec<f64>,
+    /// What layers absorb: room for rows that `losses` fills in.
+    pub losses: Vec<f64>,
 }
 
 /// How lanes go through a layer.
@@ -60,6 +62,24 @@ impl<S: Simd> Step<'_, S> {
     #[inline(always)]
     pub fn complex(&self, at: usize, i: usize) -> Complex<S> {
         Complex { re: self.row(at + i), im: self.row(at + i + COEFFICIENTS) }
+    }
+
+    /// One unit of power behind the layer, in units of the power in front: |e^{2iδ}| where fields lack e^{iδ}.
+    #[inline(always)]
+    pub fn behind(&self) -> Lanes<S> {
+        let size = |at: usize| self.complex(at, 0).norm_sqr().sqrt();
+        let one = Lanes::splat(self.s, 1.0);
+        match self.kind {
+            Kind::Real | Kind::Complex => one,
+            Kind::Waves => size(0),
+            Kind::Mixed => self.much().choose(size(2 * COEFFICIENTS), one),
+        }
+    }
+
+    /// Where waves count, in a `Mixed` layer.
+    #[inline(always)]
+    pub fn much(&self) -> Mask<S> {
+        self.row(4 * COEFFICIENTS).gt(Lanes::splat(self.s, 0.0))
     }
 }
 

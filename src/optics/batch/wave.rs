@@ -39,7 +39,7 @@ impl<S: Simd> Wave<S> {
                 let mut other = *self;
                 self.cross_complex(z(0, 0), z(0, first), z(0, first + 1));
                 other.cross_as_waves(z(second, 0), z(second, first), z(second, first + 1));
-                let much = row(2 * second).gt(self.exponent.number(0.0));
+                let much = step.much();
                 self.u = much.choose_complex(other.u, self.u);
                 self.v = much.choose_complex(other.v, self.v);
             }
@@ -72,21 +72,29 @@ impl<S: Simd> Wave<S> {
         self.v = v * c + u * g;
     }
 
-    /// Keeps the fields within range by exact powers of two.
+    /// Power that flows through the interface, in the units of these fields.
     #[inline(always)]
-    pub fn rescale(&mut self) {
+    pub fn flux(&self) -> Lanes<S> {
+        self.u.re * self.v.re + self.u.im * self.v.im
+    }
+
+    /// Keeps the fields within range by exact powers of two, which are returned.
+    #[inline(always)]
+    pub fn rescale(&mut self) -> Lanes<S> {
         let size = self.u.re.abs().max(self.u.im.abs()).max(self.v.re.abs().max(self.v.im.abs()));
         let [low, high] = [-RESCALING, RESCALING].map(|e| size.number(2f64.powi(e / 2)));
         let (tiny, huge) = (low.gt(size), size.gt(high));
-        if tiny.or(huge).any() {
-            let pick = |of: fn(i32) -> f64| {
-                let [up, none, down] = [RESCALING, 0, -RESCALING].map(|e| size.number(of(e)));
-                tiny.choose(up, huge.choose(down, none))
-            };
-            let factor = pick(|e| 2f64.powi(e));
-            self.u = self.u.times(factor);
-            self.v = self.v.times(factor);
-            self.exponent = self.exponent - pick(f64::from);
+        if !tiny.or(huge).any() {
+            return size.number(1.0);
         }
+        let pick = |of: fn(i32) -> f64| {
+            let [up, none, down] = [RESCALING, 0, -RESCALING].map(|e| size.number(of(e)));
+            tiny.choose(up, huge.choose(down, none))
+        };
+        let factor = pick(|e| 2f64.powi(e));
+        self.u = self.u.times(factor);
+        self.v = self.v.times(factor);
+        self.exponent = self.exponent - pick(f64::from);
+        factor
     }
 }
