@@ -3,8 +3,9 @@
 
 use gonio_embree::films::Films;
 use gonio_embree::films::cases::{Case, Direction, read};
-use gonio_embree::optics::C64;
-use gonio_embree::optics::film::Layer;
+use gonio_embree::optics::batch::{Film, Question, Sides, Solver, Spectrum};
+use gonio_embree::optics::film::{Incidence, Layer, absorptances};
+use gonio_embree::optics::{C64, Pair};
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 use serde_json::{Value, json};
@@ -117,6 +118,89 @@ fn all_finite_numbers_have_a_finite_answer() {
     let mut draw = Draw::new(WIDEST);
     for case in (0..30_000).map(|_| draw.case()) {
         assert!(case.solve().is_finite(), "no answer: {case:?}");
+    }
+}
+
+/// What comes back or goes through, and what each layer absorbs.
+struct Balance {
+    outside: f64,
+    absorbed: Vec<f64>,
+}
+
+impl Balance {
+    fn one_by_one(case: &Case) -> Self {
+        let Films { layers, last, wavelength_nm, .. } = &case.once;
+        let absorbed = absorptances(&incidence(case), layers, *last, *wavelength_nm);
+        let a = case.solve();
+        Self { outside: a.reflectance() + a.transmittance(), absorbed: if case.p { absorbed.p } else { absorbed.s } }
+    }
+
+    fn in_lanes(case: &Case, solver: &mut Solver) -> Self {
+        let Films { layers, last, wavelength_nm, .. } = &case.once;
+        let indices = layers.iter().map(|l| l.index).chain([*last]);
+        let media: Vec<Spectrum> = indices.map(|n| [n].into_iter().collect()).collect();
+        let film = |(medium, l): (usize, &Layer)| Film { medium, thickness: l.thickness };
+        let films: Vec<Film> = layers.iter().enumerate().map(film).collect();
+        let (incidences, wavelengths) = (&[incidence(case)], &[*wavelength_nm]);
+        let question = Question { incidences, media: &media, films: &films, last: layers.len(), wavelengths };
+        let (mut shares, mut amplitudes) = (Vec::new(), Vec::new());
+        solver.absorptances(&question, &mut shares);
+        solver.solve(&question, Sides::Front, &mut amplitudes);
+        let of = |both: &Pair<f64>| if case.p { both.p } else { both.s };
+        let outside = amplitudes[0].map(|a| a.reflectance() + a.transmittance());
+        Self { outside: of(&outside), absorbed: shares.iter().map(of).collect() }
+    }
+}
+
+fn incidence(case: &Case) -> Incidence {
+    let first = case.once.first;
+    match case.direction {
+        Direction::Angle(deg) => Incidence::from_angle(first, deg.to_radians()),
+        Direction::Cos(cos) => Incidence::from_cos(first, cos),
+        Direction::Kx(kx) => Incidence::from_kx(first, kx),
+    }
+}
+
+/// Layers take shares of the light: with what a clear last medium lets through all that there is, else no more.
+fn check_balance(case: &Case, solver: &mut Solver) {
+    for Balance { outside, absorbed } in [Balance::one_by_one(case), Balance::in_lanes(case, solver)] {
+        let all = outside + absorbed.iter().sum::<f64>();
+        let closed = case.once.last.im > 0.0 || all >= 1.0 - 1e-12;
+        let shares = absorbed.iter().all(|&x| x >= 0.0) && all <= 1.0 + 1e-12;
+        assert!(shares && closed, "{outside} outside, {absorbed:?}: {case:?}");
+    }
+}
+
+#[test]
+fn layers_absorb_shares() {
+    let mut solver = Solver::default();
+    for decades in [WIDE, WIDER, WIDEST] {
+        let mut draw = Draw::new(decades);
+        for case in (0..30_000).map(|_| draw.case()) {
+            check_balance(&case, &mut solver);
+        }
+    }
+}
+
+/// A wave bound to the back of a metal without losses, met to the last bit, or nearly; behind, something that absorbs
+/// less than rounding does.
+#[test]
+fn bound_modes_absorb_shares() {
+    let mut solver = Solver::default();
+    for (m, ulps) in (1..400).flat_map(|m| (-40..=40).map(move |ulps| (m, ulps))) {
+        let k = 1.0 + 0.01 * f64::from(m);
+        // k_x² = ε₁ε₂/(ε₁ + ε₂) between ε₁ = −k² and ε₂ = 1.
+        let kx = (k * k / (k * k - 1.0)).sqrt() * (1.0 + f64::from(ulps) * f64::EPSILON);
+        for thickness in [1.5, 3.0, 300.0, 1e5] {
+            for behind in [None, Some(C64::new(1.0, 1e-18))] {
+                let layer = |index, thickness| Layer { index, thickness };
+                let metal = [layer(C64::new(0.0, k), thickness)];
+                let layers = metal.into_iter().chain(behind.map(|index| layer(index, 0.2))).collect();
+                let once = Films { first: 2.0 * kx, layers, last: C64::from(1.0), wavelength_nm: 1.0 };
+                let direction = Direction::Kx(kx);
+                check_balance(&Case { id: "bound".into(), once, repeat: 1, direction, p: true }, &mut solver);
+            }
+        }
     }
 }
 

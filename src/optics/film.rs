@@ -119,13 +119,28 @@ impl Amplitudes {
 /// a finite answer; indices and lengths beyond 1e±70 times those of the first medium count as that, or as something nearer
 /// where that is needed.
 pub fn solve(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64) -> Pair<Amplitudes> {
+    let finite = |both: &Pair<Amplitudes>| both.s.is_finite() && both.p.is_finite();
+    within_range(incidence, layers, last, wavelength, solve_moderate, finite)
+}
+
+/// What `solve` gives, in units and within limits in which its answer is finite.
+fn within_range<T>(
+    incidence: &Incidence,
+    layers: &[Layer],
+    last: C64,
+    wavelength: f64,
+    solve: impl Fn(&Incidence, &[Layer], C64, f64) -> T,
+    finite: impl Fn(&T) -> bool,
+) -> T {
     let usual = (1e-6..1e6).contains(&incidence.index) && is_moderate(last);
     if usual && layers.iter().all(|l| is_moderate(l.index) && l.thickness / wavelength < MOST) {
-        return solve_moderate(incidence, layers, last, wavelength);
+        return solve(incidence, layers, last, wavelength);
     }
-    let limited = |most| solve_limited(incidence, layers, last, wavelength, most);
-    let answers = [MOST, 1e30, 1e12].map(limited);
-    answers.into_iter().find(|both| both.s.is_finite() && both.p.is_finite()).unwrap_or(answers[2])
+    let limited = |most| {
+        let (incidence, layers, last) = limit(incidence, layers, last, wavelength, most);
+        solve(&incidence, &layers, last, 1.0)
+    };
+    [MOST, 1e30].map(limited).into_iter().find(finite).unwrap_or_else(|| limited(1e12))
 }
 
 /// Largest and smallest numbers that matter, where those of the first medium are near 1.
@@ -136,21 +151,26 @@ fn is_moderate(n: C64) -> bool {
     size > 1.0 / MOST && size < MOST
 }
 
-/// Solves in units in which the first index is near 1, and the wavelength there, too; indices and lengths count as no
+/// The same in units in which the first index is near 1, and the wavelength there, too; indices and lengths count as no
 /// larger than `most`, indices as no smaller than its inverse.
 #[cold]
-fn solve_limited(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64, most: f64) -> Pair<Amplitudes> {
+fn limit(
+    incidence: &Incidence,
+    layers: &[Layer],
+    last: C64,
+    wavelength: f64,
+    most: f64,
+) -> (Incidence, Vec<Layer>, C64) {
     let unit = 2f64.powf(-incidence.index.log2().floor());
     let index = |n: C64| {
         let n = C64::new((n.re * unit).min(most), (n.im * unit).min(most));
         if n.re.max(n.im) < 1.0 / most { C64::from(1.0 / most) } else { n }
     };
     let length = |d: f64| (d / wavelength / unit).min(most);
-    let layers: Vec<Layer> =
-        layers.iter().map(|l| Layer { index: index(l.index), thickness: length(l.thickness) }).collect();
+    let layers = layers.iter().map(|l| Layer { index: index(l.index), thickness: length(l.thickness) }).collect();
     let Incidence { index: n, kz, kx, grazing } = *incidence;
     let (n, kz, kx) = (n * unit, (kz * unit).max(GRAZING), kx * unit);
-    solve_moderate(&Incidence { index: n, kz, kx, grazing }, &layers, index(last), 1.0)
+    (Incidence { index: n, kz, kx, grazing }, layers, index(last))
 }
 
 fn solve_moderate(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64) -> Pair<Amplitudes> {
@@ -193,16 +213,6 @@ impl Fields {
     /// Power that flows through the interface, in the units of these fields.
     fn flux(&self) -> f64 {
         (self.u.conj() * self.v).re
-    }
-
-    /// The same in the units of fields nearer to the source.
-    fn flux_in_units_of(&self, front: &Self) -> f64 {
-        self.flux() * self.power_in_units_of(front)
-    }
-
-    /// One unit of power, in the units of fields nearer to the source.
-    fn power_in_units_of(&self, front: &Self) -> f64 {
-        exp_scaled(2.0 * (self.decay - front.decay), 2 * (self.exponent - front.exponent))
     }
 }
 
@@ -254,25 +264,39 @@ impl Ends {
 }
 
 /// Share of the incident power that each layer absorbs: the difference of the fluxes through its two interfaces.
-/// 0 in layers of real index, where only rounding would be left.
+/// 0 in layers of real index, where only rounding would be left. All finite numbers have a finite answer, as in [`solve`].
 pub fn absorptances(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64) -> Pair<Vec<f64>> {
-    let of = |p: bool| {
-        let Ends { q0, qn, .. } = Ends::new(incidence, last, p);
-        let mut f = Fields::outgoing(qn);
-        let mut absorbed: Vec<_> = layers
-            .iter()
-            .rev()
-            .map(|layer| {
-                let behind = f;
-                cross(&mut f, layer, incidence, wavelength, p);
-                if layer.index.im > 0.0 { (f, f.flux() - behind.flux_in_units_of(&f)) } else { (f, 0.0) }
-            })
-            .collect();
-        absorbed.reverse();
-        let incident = (q0 * f.u + f.v).norm_sqr() / (4.0 * q0.re);
-        absorbed.into_iter().map(|(at, flux)| (flux * at.power_in_units_of(&f) / incident).max(0.0)).collect()
+    let losses = |incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64| {
+        let of = |p: bool| losses(incidence, layers, last, wavelength, p);
+        Pair { s: of(false), p: of(true) }
     };
-    Pair { s: of(false), p: of(true) }
+    let finite = |both: &Pair<Vec<f64>>| both.s.iter().chain(&both.p).all(|share| share.is_finite());
+    within_range(incidence, layers, last, wavelength, losses, finite)
+}
+
+/// For one polarization.
+fn losses(incidence: &Incidence, layers: &[Layer], last: C64, wavelength: f64, p: bool) -> Vec<f64> {
+    let Ends { q0, qn, .. } = Ends::new(incidence, last, p);
+    let mut f = Fields::outgoing(qn);
+    // From the back: what each layer takes, and what one unit of power behind it is, in units of the power in front.
+    let cross = |layer: &Layer| {
+        let before = f.flux();
+        (f.exponent, f.decay) = (0, 0.0);
+        cross(&mut f, layer, incidence, wavelength, p);
+        // No power flows in a bound mode.
+        let behind = if f.decay < 0.0 { 0.0 } else { exp_scaled(-2.0 * f.decay, -2 * f.exponent) };
+        (f.flux() - before * behind, behind)
+    };
+    let met: Vec<(f64, f64)> = layers.iter().rev().map(cross).collect();
+    // From the front: what one unit is of the incident power, |q0 U + V|²/4 q0.
+    let size = (q0 * f.u + f.v).norm();
+    let mut unit = 4.0 * q0.re / size / size;
+    let share = |(layer, (lost, behind)): (&Layer, (f64, f64))| {
+        let share = lost * unit;
+        unit *= behind;
+        if layer.index.im <= 0.0 || share < 0.0 { 0.0 } else { share }
+    };
+    layers.iter().zip(met.into_iter().rev()).map(share).collect()
 }
 
 /// V/U of a wave: k_z (s), or k_z/n² (p).
@@ -401,7 +425,7 @@ fn exp_scaled(x: f64, exponent: i32) -> f64 {
 }
 
 /// No layer: differences of squares, relatively accurate for nearly equal indices.
-pub(super) fn bare(incidence: &Incidence, last: C64) -> Pair<Amplitudes> {
+fn bare(incidence: &Incidence, last: C64) -> Pair<Amplitudes> {
     let n0 = C64::new(incidence.index, 0.0);
     let (kz0, kzn) = (incidence.normal(n0), incidence.normal(last));
     let (n0_2, nn_2) = (n0 * n0, last * last);
