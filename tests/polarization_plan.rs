@@ -17,7 +17,7 @@ use gonio_embree::sample::description::{Fill, Shape};
 use gonio_embree::sample::generate::packing::Packing;
 
 const ALUMINIUM: C64 = C64::new(0.96, 6.69);
-const TREES: u64 = 100_000;
+const TREES: u64 = 200_000;
 /// Standard errors of what may happen once in 10⁴ times, with 31 degrees of freedom.
 const SIGMAS: f64 = 4.5;
 
@@ -110,5 +110,62 @@ fn polarized_light_keeps_its_polarization() {
                 assert_eq!(outcome.plan.kernel.state, State::Stokes);
             }
         }
+    }
+}
+
+/// Light that meets one interface is divided by the mean of s and p, exactly.
+#[test]
+fn one_interface_needs_no_polarization() {
+    let metal = roof(|build| Fill::Medium(build.medium(ALUMINIUM)));
+    let mirror = roof(|_| Fill::Mirror(0.9));
+    let cases = [
+        ("glass", half_space(1.5), (85.0, 0.0)),
+        ("metal", half_space(ALUMINIUM), (0.0, 0.0)),
+        ("metal", half_space(ALUMINIUM), (70.0, 20.0)),
+        ("metal roof", metal, (20.0, 30.0)),
+        ("mirror roof", mirror, (20.0, 30.0)),
+    ];
+    for (name, build, from) in cases {
+        let c = Comparison::new(&build, from);
+        assert_eq!(c.auto.plan.kernel.state, State::Power, "{name}, {from:?}");
+        assert_eq!(c.auto.bsdf.incidences[0], c.without);
+        let told = |s: &Scattering| -> Vec<f64> {
+            let entries = s.ledger.entries().map(|(_, e)| e[0].value);
+            entries.into_iter().chain(s.facets.iter().map(|f| f.value[0].value)).collect()
+        };
+        let off = told(&c.with).into_iter().zip(told(&c.without)).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-12, "{name}, {from:?}");
+    }
+}
+
+/// Light that meets several interfaces is not: some percent of what spheres reflect.
+#[test]
+fn spheres_need_polarization() {
+    let cases = [
+        ("packing", packing(), (0.0, 0.0), 0.02..0.04),
+        ("packing", packing(), (40.0, 0.0), 0.01..0.03),
+        ("heap", heap(), (0.0, 0.0), 0.04..0.08),
+        ("heap", heap(), (60.0, 0.0), 0.04..0.07),
+    ];
+    for (name, build, from, expected) in cases {
+        let c = Comparison::new(&build, from);
+        let (change, sigmas) = c.change();
+        println!("{name}, {from:?}: {:.2} % ({sigmas:.1} standard errors), bound {:.3}", 100.0 * change, c.bound());
+        assert_eq!(c.auto.plan.kernel.state, State::Stokes, "{name}, {from:?}");
+        assert_eq!(c.auto.bsdf.incidences[0], c.with);
+        assert!(expected.contains(&change) && sigmas > SIGMAS, "{name}, {from:?}: {change}");
+        c.check_bound(name);
+    }
+}
+
+/// Two bounces between the sides of a roof of metal, at some places: little, but the bound says so.
+#[test]
+fn what_is_left_out_stays_within_its_bound() {
+    let metal = roof(|build| Fill::Medium(build.medium(ALUMINIUM)));
+    for theta in [20.0, 45.0, 60.0, 75.0] {
+        let c = Comparison::new(&metal, (theta, 30.0));
+        println!("{theta}°: {:.3} %, bound {:.3} %", 100.0 * c.change().0, 100.0 * c.bound());
+        assert!(c.change().0.abs() < c.bound());
+        c.check_bound("metal roof");
     }
 }
