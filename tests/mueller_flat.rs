@@ -226,6 +226,16 @@ fn films_are_airys() {
     }
 }
 
+/// A surface that only reflects has the signs of a perfect conductor, as seen under metal of a great index.
+#[test]
+fn a_mirror_is_a_perfect_conductor() {
+    let build = Build::within(1.0).fill(Shape::Slab { top: 0.0, bottom: -1.0 }, Fill::Mirror(0.9));
+    let m = flat(build, 50.0).deltas.unwrap().specular[0].map(|e| e.value);
+    let f = fresnel(C64::ONE, C64::new(1e3, 1e14), f64::to_radians(50.0).cos().into());
+    let expected = of(f.r).map(|x| 0.9 * x);
+    assert!(matrices::distance(&m, &expected) < 1e-12, "{m:?}");
+}
+
 /// Light at +45° turns left-handed (V < 0) where reflection is total or metallic: p is ahead of s.
 #[test]
 fn p_is_ahead_of_s() {
@@ -238,8 +248,8 @@ fn p_is_ahead_of_s() {
     }
 }
 
-/// Facets of a flat sample under light from `theta`.
-fn matt(build: Build, theta: f64) -> Scattering {
+/// A flat sample under light from `theta`.
+fn flat(build: Build, theta: f64) -> Scattering {
     let light = light(&[NM], &[(theta, 35.0)], Polarization::Mueller);
     let mut settings = settings(100_000);
     settings.dome_level = 1;
@@ -250,7 +260,7 @@ fn matt(build: Build, theta: f64) -> Scattering {
 fn a_matt_surface_depolarizes_totally() {
     const SHARE: f64 = 0.8;
     let floor = Shape::Slab { top: 0.0, bottom: -1.0 };
-    let measured = matt(Build::within(1.0).fill(floor, Fill::Diffuse(SHARE)), 50.0);
+    let measured = flat(Build::within(1.0).fill(floor, Fill::Diffuse(SHARE)), 50.0);
     let above = measured.facets.iter().filter(|f| f.facet.center().z > 0.0);
     let chances = above.map(|f| chance(f.mueller[0][0], SHARE / std::f64::consts::PI));
     assert!(chances.fold(1.0, f64::min) > FALSE_ALARM / 40.0);
@@ -267,7 +277,7 @@ fn a_matt_surface_under_glass_keeps_what_the_glass_does() {
     let build = Build::within(1.0).put(glass, n).fill(floor, Fill::Diffuse(0.8));
     let [p, s] = fresnel(C64::ONE, n.into(), theta.to_radians().cos().into()).t.map(|t| t.norm_sqr());
     let mut polarized = 0.0f64;
-    for facet in matt(build, theta).facets.iter().filter(|f| f.facet.center().z > 0.0) {
+    for facet in flat(build, theta).facets.iter().filter(|f| f.facet.center().z > 0.0) {
         let m = facet.mueller[0].map(|e| e.value);
         let inwards = [1.0, (p - s) / (p + s), 0.0, 0.0];
         let outwards = [0, 1, 2, 3].map(|row| m[4 * row]);
