@@ -90,6 +90,26 @@ pub fn student_two_sided(t: f64, dof: f64) -> f64 {
     beta_inc(dof / 2.0, 0.5, dof / (dof + t * t))
 }
 
+/// Mean, squared standard error and degrees of freedom.
+pub fn moments(x: &[f64]) -> (f64, f64, f64) {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    (mean, x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n, n - 1.0)
+}
+
+/// Student's test that a sample has this mean: p-value.
+pub fn student(x: &[f64], truth: f64) -> f64 {
+    let (mean, variance, dof) = moments(x);
+    student_two_sided((mean - truth) / variance.sqrt(), dof)
+}
+
+/// Welch's test that two samples have one mean: p-value.
+pub fn welch(a: &[f64], b: &[f64]) -> f64 {
+    let ((ma, va, na), (mb, vb, nb)) = (moments(a), moments(b));
+    let v = va + vb;
+    student_two_sided((ma - mb) / v.sqrt(), v * v / (va * va / na + vb * vb / nb))
+}
+
 /// Upper tail of the F distribution.
 pub fn f_tail(f: f64, d1: f64, d2: f64) -> f64 {
     beta_inc(d2 / 2.0, d1 / 2.0, d2 / (d2 + d1 * f))

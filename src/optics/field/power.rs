@@ -85,6 +85,7 @@ impl Field for Power {
 ///
 /// An interface that passes shares a of s and b of p makes diattenuation D = |a − b|/(a + b). Along any chain of them the
 /// power differs from the product of the means by no more than (∏(1 + D) + ∏(1 − D))/2 − 1 of it, whatever lies between.
+/// Light that comes polarized to the degree D is as if it came through one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     power: f64,
@@ -103,8 +104,9 @@ impl Field for Range {
     const COMPONENTS: usize = 1;
     type Passage = Powers;
 
-    fn incident(stokes: [f64; 4]) -> Self {
-        Self { power: stokes[0], products: [1.0; 2] }
+    fn incident([power, q, u, v]: [f64; 4]) -> Self {
+        let d = if power > 0.0 { ((q * q + u * u + v * v).sqrt() / power).min(1.0) } else { 0.0 };
+        Self { power, products: [1.0 + d, 1.0 - d] }
     }
 
     fn depolarized(&self, share: f64) -> Self {
