@@ -164,8 +164,12 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
     }
 
     /// How wide a bundle may become at one refraction: so that its edges turn by half of what is left, and lanes stay
-    /// together for some more. Turns at many interfaces add up like steps of a random walk.
+    /// together for some more. Turns at many interfaces add up like steps of a random walk. Plane faces part all lanes:
+    /// behind a pane each goes on exactly as it came.
     fn widest(&self, slot: Slot) -> f64 {
+        if self.kernel.scene.primitives().plane(self.interface.surface).is_some() {
+            return 0.0;
+        }
         let (most, spread) = (self.kernel.plan.limits.spread, self.stream.flights[slot].spread);
         ((most - spread) * (most + spread)).max(0.0).sqrt()
     }
