@@ -90,6 +90,18 @@ impl Coherence {
             Self::Gaussian(l) => 2.0 * l,
         }
     }
+
+    /// How deep stacks are searched, µm: deeper than that, light that goes straight through air is not coherent.
+    pub fn depth(&self) -> f64 {
+        0.5 * self.longest()
+    }
+
+    /// The path that counts of a stack with an optical path there and back, and of a depth (µm). Light that runs along a gap
+    /// has a short path in a deep one: from half of the depth that is searched it counts as longer, and as the longest at the
+    /// end of it, so that nothing jumps there.
+    pub fn counted(&self, path: f64, depth: f64) -> f64 {
+        path.max(4.0 * depth - self.longest())
+    }
 }
 
 impl Light {
@@ -131,6 +143,19 @@ mod tests {
         assert_eq!(light.coherence().length(0.5), f64::INFINITY);
         light.source = SourceMode::Gaussian(30.0);
         assert_eq!(light.coherence().longest(), 60.0);
+    }
+
+    /// Light that goes straight through air, or steeper through denser media, has the path that it has.
+    #[test]
+    fn only_short_paths_in_deep_stacks_count_as_longer() {
+        for coherence in [Coherence::Falling(8.0, 16.0), Coherence::Gaussian(8.0), Coherence::Endless] {
+            for depth in [0.1, 2.0, 4.0, 6.0, 8.0] {
+                assert_eq!(coherence.counted(2.0 * depth, depth), 2.0 * depth);
+            }
+            assert_eq!(coherence.counted(1.0, 4.0), 1.0);
+        }
+        assert_eq!(Coherence::Gaussian(8.0).counted(1.0, 8.0), 16.0);
+        assert_eq!(Coherence::Endless.counted(1.0, 1e6), 1.0);
     }
 
     /// Of evenly spread numbers as many give a longer path as the degree of coherence says.

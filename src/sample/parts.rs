@@ -197,7 +197,7 @@ impl Parts {
         }
         let center = DVec3::new(center.x, center.y, middle((bottom, top)));
         // A stack reaches as far down as waves are coherent and the sample goes, its last interface included.
-        let reach = (0.5 * coherence.longest()).min(top - bottom + geometry::COINCIDENT);
+        let reach = coherence.depth().min(top - bottom + geometry::COINCIDENT);
         Some(Cell::new(size, center, description.sides == Sides::Periodic, (bottom - center.z, top - center.z), reach))
     }
 }

@@ -10,6 +10,7 @@ use super::inside::{Around, Inside, Solids};
 use super::media::{Media, Slant};
 use crate::geometry::{All, Crossing, Hit, Kind, Order, PrimId, Ray, SurfaceId};
 use crate::intersect::Scene;
+use crate::light::Coherence;
 use crate::optics::batch::Film;
 use crate::optics::fresnel::other_leg;
 use crate::optics::{C64, outgoing_root};
@@ -92,6 +93,8 @@ pub struct World<'a> {
     pub media: &'a Media,
     /// How stacks are searched.
     pub probe: Probe,
+    /// How thick they may be.
+    pub coherence: Coherence,
 }
 
 /// Distances that differ by less are one but for rounding, µm.
@@ -195,7 +198,7 @@ impl Finder {
                     path += self.path(world, start, thickness);
                     let edges = reach.edges;
                     let met = Met { probe: down, cos: 1.0, order, thickness, uniform, next, inside: &inside, edges };
-                    if path > reach.coherence || !self.add(world, start, &met) {
+                    if world.coherence.counted(path, order.t) > reach.coherence || !self.add(world, start, &met) {
                         break;
                     }
                     depth = order.t;
@@ -224,7 +227,8 @@ impl Finder {
                         path += self.path(world, start, thickness);
                         let edges = reach.edges;
                         let met = Met { probe, cos, order, thickness, uniform, next, inside: &inside, edges };
-                        went_on = path <= reach.coherence && self.add(world, start, &met);
+                        let counted = world.coherence.counted(path, depth + thickness);
+                        went_on = counted <= reach.coherence && self.add(world, start, &met);
                         self.settle(world);
                         went_on = went_on && self.come_home(world);
                         (depth, surface) = (depth + thickness, self.stack.surface);

@@ -60,6 +60,7 @@ impl<'a> Kernel<'a> {
             solids: &self.solids,
             media: &self.media,
             probe: self.plan.films.probe,
+            coherence: self.plan.films.coherence,
         }
     }
 

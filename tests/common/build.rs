@@ -71,6 +71,11 @@ impl Build {
         self.fill(shape, Fill::Medium(medium))
     }
 
+    /// A body of a built-in medium.
+    pub fn made_of(self, shape: Shape, name: &str) -> Self {
+        self.fill(shape, Fill::Medium(named(name)))
+    }
+
     /// A body; endless ones give way to others.
     pub fn fill(mut self, shape: Shape, fill: Fill) -> Self {
         let priority = if matches!(shape, Shape::Slab { .. }) { -1 } else { 0 };

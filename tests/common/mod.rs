@@ -8,6 +8,7 @@ use rand::rngs::Xoshiro256PlusPlus;
 
 pub mod build;
 pub mod listen;
+pub mod reference;
 pub mod stats;
 
 /// A uniformly distributed direction.
