@@ -68,7 +68,7 @@ fn carried(plan: &Plan) -> String {
         (false, _) => format!("{state} for {lanes} of {count} wavelengths, which stands for all"),
         (true, true) => format!(
             "{state} for all {count} wavelengths, parted where refraction spreads them by more than {}°",
-            significant(2.0 * plan.limits.spread.to_degrees(), 2)
+            significant(plan.limits.spread.to_degrees(), 2)
         ),
         (true, false) => format!("{state} for all {count} wavelengths together"),
     }
