@@ -47,16 +47,15 @@ impl<S: Simd> Block<S> {
             let (a, b) = if grazing { (index, kz * kz) } else { (kx, 0.0) };
             [index, kz, a, b, q.wavelengths[w]].into_iter().zip(&mut rows).for_each(|(x, row)| row[lane] = x);
         }
-        let [n0, kz0, a, b, wavelength] = rows.map(|row| Lanes::load(s, &row, 0));
-        let zero = n0.number(0.0);
+        let zero = Lanes::splat(s, 0.0);
         let mut block = Self {
             s,
             number,
-            n0,
-            kz0,
-            a,
-            b,
-            wavelength,
+            n0: Lanes::load(s, &rows[0], 0),
+            kz0: Lanes::load(s, &rows[1], 0),
+            a: Lanes::load(s, &rows[2], 0),
+            b: Lanes::load(s, &rows[3], 0),
+            wavelength: Lanes::load(s, &rows[4], 0),
             last: Complex::load(s, &q.last().re, &q.last().im, number),
             kzn: Complex::real(zero),
             decay: zero,
@@ -109,7 +108,9 @@ impl<S: Simd> Block<S> {
             if normal.travels.all() {
                 end = steps.claim(Kind::Real, start, S::F64_LANES);
                 let step = real_step(n.re, normal.squared.re.sqrt(), length);
-                step.iter().enumerate().for_each(|(i, x)| x.store(&mut steps.rows[start..end], i));
+                for (i, x) in step.iter().enumerate() {
+                    x.store(&mut steps.rows[start..end], i);
+                }
             } else {
                 end = self.prepare_complex(n, normal, length, start, steps);
             }

@@ -65,15 +65,15 @@ impl<S: Simd> Block<S> {
     fn share(&self, q: &Question<'_>, steps: &Steps, mut units: [Lanes<S>; 2], out: &mut [Pair<f64>]) {
         let zero = self.n0.number(0.0);
         for (i, film) in q.films.iter().enumerate() {
-            let row = |k: usize| Lanes::load(self.s, &steps.losses, i * ROWS + k);
+            let rows = &steps.losses[i * ROWS * S::F64_LANES..];
             if !matches!(steps.at(self.s, i).kind, Kind::Real) {
                 let absorbs = Lanes::load(self.s, &q.media[film.medium].im, self.number).gt(zero);
-                let s = absorbs.choose(zero.max(row(0) * units[0]), zero).to_array();
-                let p = absorbs.choose(zero.max(row(2) * units[1]), zero).to_array();
+                let s = absorbs.choose(zero.max(Lanes::load(self.s, rows, 0) * units[0]), zero).to_array();
+                let p = absorbs.choose(zero.max(Lanes::load(self.s, rows, 2) * units[1]), zero).to_array();
                 let out = out[i..].iter_mut().step_by(q.films.len());
                 out.zip(s).zip(p).for_each(|((out, s), p)| *out = Pair { s, p });
             }
-            units = [units[0] * row(1), units[1] * row(3)];
+            units = [units[0] * Lanes::load(self.s, rows, 1), units[1] * Lanes::load(self.s, rows, 3)];
         }
     }
 }

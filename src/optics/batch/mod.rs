@@ -4,6 +4,9 @@
 //! what depends on a layer only (its wave number, its phase) is computed once for both polarizations and both directions.
 //! A `wave` then goes through them, and its fields at the ends are the amplitudes that `solve` gives; its fluxes between
 //! them, the `losses`.
+//!
+//! Only what is inlined into the functions that `pulp` calls knows the registers. The compiler may leave closures and the
+//! functions that they are handed to, such as `array::map`, outside: where lanes are at work there are loops instead.
 
 mod block;
 mod losses;

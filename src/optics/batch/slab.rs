@@ -35,17 +35,19 @@ impl<S: Simd> Slab<S> {
         let (rise, sinh) = ((m * m).over(twice), -(m * (m + m.number(2.0))).over(twice));
         let cosh = rise + m.number(1.0);
         let (c, s) = (Complex { re: cos * cosh, im: -(sin * sinh) }, Complex { re: sin * cosh, im: cos * sinh });
-        let minus_i = |z: Complex<S>| Complex { re: z.im, im: -z.re };
         let standing = kz.norm_sqr().eq(zero);
         let b = standing.choose_complex(Complex { re: zero, im: length * -TAU }, minus_i(s.over(kz)));
         let (square, g) = (n * n, minus_i(s * kz));
-        let step = [c, b, g, b * square, g.over(square)];
-        if !self.normal.travels.any() {
-            return step;
+        let mut step = [c, b, g, b * square, g.over(square)];
+        let travels = self.normal.travels;
+        if travels.any() {
+            let real = real_step(n.re, self.normal.squared.re.sqrt(), length);
+            step[0] = travels.choose_complex(Complex::real(real[0]), step[0]);
+            for i in 1..COEFFICIENTS {
+                step[i] = travels.choose_complex(Complex { re: zero, im: -real[i] }, step[i]);
+            }
         }
-        let real = real_step(n.re, self.normal.squared.re.sqrt(), length);
-        let as_complex = |i: usize| if i == 0 { Complex::real(real[0]) } else { Complex { re: zero, im: -real[i] } };
-        std::array::from_fn(|i| self.normal.travels.choose_complex(as_complex(i), step[i]))
+        step
     }
 
     /// e^{2iδ}, and the admittance and its inverse.
@@ -67,6 +69,11 @@ pub(super) fn real_step<S: Simd>(n: Lanes<S>, kz: Lanes<S>, length: Lanes<S>) ->
     let square = n * n;
     let (b, g) = (sin.over(kz), kz * sin);
     [cos, b, g, b * square, g.over(square)]
+}
+
+#[inline(always)]
+fn minus_i<S: Simd>(z: Complex<S>) -> Complex<S> {
+    Complex { re: z.im, im: -z.re }
 }
 
 /// Turns of which something can be said, else none.

@@ -31,7 +31,7 @@ impl pulp::WithSimd for Work<'_> {
             let mut block = Block::new(s, self.q, number);
             block.prepare(self.q, self.steps);
             let ends = [block.solve(self.steps, false, self.sides), block.solve(self.steps, true, self.sides)];
-            let rows = ends.map(|e| e.rows());
+            let rows = [ends[0].rows(), ends[1].rows()];
             for lane in 0..S::F64_LANES.min(count - number * S::F64_LANES) {
                 let [s, p] = [0, 1].map(|i| amplitudes(&rows[i], lane));
                 self.out.push(Pair { s, p });
@@ -94,11 +94,19 @@ impl<S: Simd> Block<S> {
     fn left_out(&self, exponent: Lanes<S>) -> Complex<S> {
         let (mantissa, twos) = exp_split(self.decay);
         let (sin, cos) = sin_cos(self.turns * TAU);
-        let limit = |k: Lanes<S>| k.max(k.number(-1022.0)).min(k.number(1023.0)).power_of_two();
         let total = twos - exponent;
         let half = (total * 0.5).round();
-        Complex { re: cos, im: sin }.times(mantissa).times(limit(half)).times(limit(total - half))
+        Complex { re: cos, im: sin }
+            .times(mantissa)
+            .times(limited_power_of_two(half))
+            .times(limited_power_of_two(total - half))
     }
+}
+
+/// 2^k, or the nearest that there is.
+#[inline(always)]
+fn limited_power_of_two<S: Simd>(k: Lanes<S>) -> Lanes<S> {
+    k.max(k.number(-1022.0)).min(k.number(1023.0)).power_of_two()
 }
 
 /// [`Amplitudes`] in lanes.
@@ -114,6 +122,11 @@ impl<S: Simd> Solved<S> {
     #[inline(always)]
     fn rows(&self) -> [[f64; WIDEST]; 9] {
         let Self { r, t, r_back, t_back, flux_ratio } = self;
-        [r.re, r.im, t.re, t.im, r_back.re, r_back.im, t_back.re, t_back.im, *flux_ratio].map(|x| x.to_array())
+        let all = [r.re, r.im, t.re, t.im, r_back.re, r_back.im, t_back.re, t_back.im, *flux_ratio];
+        let mut rows = [[0.0; WIDEST]; 9];
+        for (row, x) in rows.iter_mut().zip(all) {
+            x.store(row, 0);
+        }
+        rows
     }
 }

@@ -54,25 +54,37 @@ pub(super) struct Step<'a, S: Simd> {
 
 impl<S: Simd> Step<'_, S> {
     #[inline(always)]
-    pub fn row(&self, i: usize) -> Lanes<S> {
+    fn row(&self, i: usize) -> Lanes<S> {
         Lanes::load(self.s, self.rows, i)
     }
 
-    /// Coefficient `i` of those whose rows start at `at`.
     #[inline(always)]
-    pub fn complex(&self, at: usize, i: usize) -> Complex<S> {
+    fn number(&self, at: usize, i: usize) -> Complex<S> {
         Complex { re: self.row(at + i), im: self.row(at + i + COEFFICIENTS) }
+    }
+
+    /// Coefficients of a `Real` layer.
+    #[inline(always)]
+    pub fn real(&self, p: bool) -> [Lanes<S>; 3] {
+        let first = if p { 3 } else { 1 };
+        [self.row(0), self.row(first), self.row(first + 1)]
+    }
+
+    /// Complex coefficients whose rows start at `at`.
+    #[inline(always)]
+    pub fn complex(&self, at: usize, p: bool) -> [Complex<S>; 3] {
+        let first = if p { 3 } else { 1 };
+        [self.number(at, 0), self.number(at, first), self.number(at, first + 1)]
     }
 
     /// One unit of power behind the layer, in units of the power in front: |e^{2iδ}| where fields lack e^{iδ}.
     #[inline(always)]
     pub fn behind(&self) -> Lanes<S> {
-        let size = |at: usize| self.complex(at, 0).norm_sqr().sqrt();
         let one = Lanes::splat(self.s, 1.0);
         match self.kind {
             Kind::Real | Kind::Complex => one,
-            Kind::Waves => size(0),
-            Kind::Mixed => self.much().choose(size(2 * COEFFICIENTS), one),
+            Kind::Waves => self.number(0, 0).norm_sqr().sqrt(),
+            Kind::Mixed => self.much().choose(self.number(2 * COEFFICIENTS, 0).norm_sqr().sqrt(), one),
         }
     }
 

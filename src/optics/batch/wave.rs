@@ -7,7 +7,15 @@ use crate::optics::lanes::{Complex, Lanes};
 
 /// Fields stay within 2^±100, but for what a few layers can change; stacks of others are solved one by one.
 const RESCALING: i32 = 200;
+const UP: f64 = power_of_two(RESCALING);
+const DOWN: f64 = power_of_two(-RESCALING);
+const TINY: f64 = power_of_two(-RESCALING / 2);
+const HUGE: f64 = power_of_two(RESCALING / 2);
 pub(super) const STEPS_PER_RESCALING: usize = 4;
+
+const fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
 
 /// Fields of a wave that left the stack, with the exponent of the power of two left out of them.
 #[derive(Clone, Copy)]
@@ -28,17 +36,14 @@ impl<S: Simd> Wave<S> {
     /// Goes through a layer.
     #[inline(always)]
     pub fn cross(&mut self, step: &Step<'_, S>, p: bool) {
-        let first = if p { 3 } else { 1 };
-        let (row, z) = (|i: usize| step.row(i), |at: usize, i: usize| step.complex(at, i));
         match step.kind {
-            Kind::Real => self.cross_real(row(0), row(first), row(first + 1)),
-            Kind::Complex => self.cross_complex(z(0, 0), z(0, first), z(0, first + 1)),
-            Kind::Waves => self.cross_as_waves(z(0, 0), z(0, first), z(0, first + 1)),
+            Kind::Real => self.cross_real(step.real(p)),
+            Kind::Complex => self.cross_complex(step.complex(0, p)),
+            Kind::Waves => self.cross_as_waves(step.complex(0, p)),
             Kind::Mixed => {
-                let second = 2 * COEFFICIENTS;
                 let mut other = *self;
-                self.cross_complex(z(0, 0), z(0, first), z(0, first + 1));
-                other.cross_as_waves(z(second, 0), z(second, first), z(second, first + 1));
+                self.cross_complex(step.complex(0, p));
+                other.cross_as_waves(step.complex(2 * COEFFICIENTS, p));
                 let much = step.much();
                 self.u = much.choose_complex(other.u, self.u);
                 self.v = much.choose_complex(other.v, self.v);
@@ -48,7 +53,7 @@ impl<S: Simd> Wave<S> {
 
     /// b and g stand for −ib and −ig.
     #[inline(always)]
-    fn cross_real(&mut self, c: Lanes<S>, b: Lanes<S>, g: Lanes<S>) {
+    fn cross_real(&mut self, [c, b, g]: [Lanes<S>; 3]) {
         let Self { u, v, .. } = *self;
         self.u = Complex { re: u.re * c + v.im * b, im: u.im * c - v.re * b };
         self.v = Complex { re: v.re * c + u.im * g, im: v.im * c - u.re * g };
@@ -56,7 +61,7 @@ impl<S: Simd> Wave<S> {
 
     /// The wave that grows on the way stays, the other one is multiplied by e^{2iδ}; see [`crate::optics::film`].
     #[inline(always)]
-    fn cross_as_waves(&mut self, round_trip: Complex<S>, q: Complex<S>, inverse: Complex<S>) {
+    fn cross_as_waves(&mut self, [round_trip, q, inverse]: [Complex<S>; 3]) {
         let Self { u, v, .. } = *self;
         let w = v * inverse;
         let half = u.re.number(0.5);
@@ -66,7 +71,7 @@ impl<S: Simd> Wave<S> {
     }
 
     #[inline(always)]
-    fn cross_complex(&mut self, c: Complex<S>, b: Complex<S>, g: Complex<S>) {
+    fn cross_complex(&mut self, [c, b, g]: [Complex<S>; 3]) {
         let Self { u, v, .. } = *self;
         self.u = u * c + v * b;
         self.v = v * c + u * g;
@@ -82,19 +87,16 @@ impl<S: Simd> Wave<S> {
     #[inline(always)]
     pub fn rescale(&mut self) -> Lanes<S> {
         let size = self.u.re.abs().max(self.u.im.abs()).max(self.v.re.abs().max(self.v.im.abs()));
-        let [low, high] = [-RESCALING, RESCALING].map(|e| size.number(2f64.powi(e / 2)));
-        let (tiny, huge) = (low.gt(size), size.gt(high));
+        let (tiny, huge) = (size.number(TINY).gt(size), size.gt(size.number(HUGE)));
+        let one = size.number(1.0);
         if !tiny.or(huge).any() {
-            return size.number(1.0);
+            return one;
         }
-        let pick = |of: fn(i32) -> f64| {
-            let [up, none, down] = [RESCALING, 0, -RESCALING].map(|e| size.number(of(e)));
-            tiny.choose(up, huge.choose(down, none))
-        };
-        let factor = pick(|e| 2f64.powi(e));
+        let factor = tiny.choose(size.number(UP), huge.choose(size.number(DOWN), one));
+        let shift = size.number(f64::from(RESCALING));
         self.u = self.u.times(factor);
         self.v = self.v.times(factor);
-        self.exponent = self.exponent - pick(f64::from);
+        self.exponent = self.exponent - tiny.choose(shift, huge.choose(-shift, size.number(0.0)));
         factor
     }
 }
