@@ -168,6 +168,28 @@ fn wrong_usage_says_what_is_wrong_and_how_to_mend_it() {
         (&["--sample", "thin.toml"], "thin.toml:3: radius = 0: expected a length greater than 0"),
         (&["--sample", "thin.toml"], "thin.toml:5: unknown key `medum` (did you mean `medium`?)"),
         (&["--sample", "thin.toml", "--unit", "nm"], "cannot be used with"),
+        (&["--mesh", FEATHER, "--polarization", "1,1,1,0"], "expected Q² + U² + V² ≤ I²"),
+        (&["--mesh", FEATHER, "--polarization", "0,0,0,0"], "the first (the power) greater than 0"),
+        (&["--mesh", FEATHER, "--polarization", "1,0,0"], "a Stokes vector I,Q,U,V such as 1,0,0.5,0"),
+        (&["--mesh", FEATHER, "--polarization", "x"], "expected unpolarized, s, p, mueller, or a Stokes vector"),
+        (&["--mesh", FEATHER, "--coherence-length", "0"], "expected a length greater than 0, such as 30um"),
+        (&["--mesh", FEATHER, "--coherence-length", "inf"], "for a laser --source-mode line"),
+        (&["--mesh", FEATHER, "--coherence-length", "30um", "--source-mode", "line"], "cannot be used with"),
+        (&["--mesh", FEATHER, "--spread", "100"], "--spread 100: expected 0 to 90 degrees"),
+        (&["--mesh", FEATHER, "--spread", "nan"], "expected 0 to 90 degrees"),
+        (
+            &["--mesh", FEATHER, "--effects", "colour"],
+            "expected auto, all, +effect or -effect, such as auto,-dispersion",
+        ),
+        (
+            &["--mesh", FEATHER, "--effects", "auto,-priorities"],
+            "`-priorities`: expected one of interference, polarization, phase, dispersion or absorption",
+        ),
+        (
+            &["--mesh", FEATHER, "--polarization", "mueller", "--effects", "auto,-polarization"],
+            "--polarization mueller needs what --effects -polarization leaves out",
+        ),
+        (&["explain", "--mesh", FEATHER, "--spread", "100"], "--spread 100: expected 0 to 90 degrees"),
         (&["generate", "bricks", "-o", "x.mtl"], "name the mesh FILE.obj"),
         (&["generate", "bricks", "-o", "x.obj", "--shell", "1,1,1"], "less than half"),
     ] {
@@ -177,6 +199,60 @@ fn wrong_usage_says_what_is_wrong_and_how_to_mend_it() {
         assert!(output.stdout.is_empty());
     }
     assert_eq!(desk.names(), ["thin.toml"], "nothing is half-written");
+}
+
+/// All effects, in the order in which they are told.
+const EFFECTS: [&str; 7] =
+    ["interference", "polarization", "phase", "dispersion", "absorption", "priorities", "finder"];
+
+#[test]
+fn all_polarizations_at_once_are_a_result_like_others() {
+    let desk = Desk::new("mueller");
+    let args = ["--mesh", FEATHER, "--wavelengths", "500,600", "--incident", "30", "--trees", "500", "--json"];
+    let summary = |polarization: &str| -> Value {
+        let output = desk.run(&[&args[..], &["--polarization", polarization]].concat());
+        assert_eq!(code(&output), Some(0), "{}", errors(&output));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let mueller = summary("mueller");
+    assert_eq!(mueller["schema"], "gonio-summary-1");
+    assert_eq!(mueller["effects"]["polarization"]["on"], true);
+    let measured = netcdf::from_bytes(&desk.read("feather.nc")).unwrap();
+    assert_eq!(measured.provenance.polarization, "mueller");
+    let deltas = measured.bsdf.incidences[0].deltas.as_ref().expect("matrices");
+    let unpolarized = summary("unpolarized");
+    for w in 0..2 {
+        let specular = |json: &Value| json["incidences"][0]["specular"][w].as_f64().unwrap();
+        assert!((specular(&mueller) - specular(&unpolarized)).abs() < 1e-9, "{w}");
+        assert!((deltas.specular[w][0].value - specular(&mueller)).abs() < 1e-9, "{w}");
+    }
+}
+
+#[test]
+fn a_plan_is_explained_effect_by_effect() {
+    let desk = Desk::new("explain");
+    let args = ["explain", "--mesh", FEATHER, "--wavelengths", "500,600", "--trees", "500"];
+    let output = desk.run(&args);
+    assert_eq!(code(&output), Some(0), "{}", errors(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    for name in EFFECTS {
+        let line = text.lines().find(|l| l.starts_with(name)).unwrap_or_else(|| panic!("{name}: {text}"));
+        let state = line.split_whitespace().nth(1);
+        assert!(matches!(state, Some("on" | "off")), "{line}");
+    }
+    assert!(text.contains("estimated time:"), "{text}");
+    let output = desk.run(&[&args[..], &["--json"]].concat());
+    assert_eq!(code(&output), Some(0), "{}", errors(&output));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["schema"], "gonio-plan-1");
+    let effects = json["effects"].as_array().unwrap();
+    assert_eq!(effects.iter().map(|e| e["name"].as_str().unwrap()).collect::<Vec<_>>(), EFFECTS);
+    for effect in effects {
+        assert!(effect["on"].is_boolean() && !effect["reason"].as_str().unwrap().is_empty(), "{effect}");
+        assert!((0.0..=1.0).contains(&effect["bound"].as_f64().unwrap()), "{effect}");
+    }
+    assert!(json["state"].is_string() && json["estimated_seconds"].as_f64().unwrap() > 0.0);
+    assert!(desk.names().is_empty(), "nothing is measured: {:?}", desk.names());
 }
 
 #[test]

@@ -67,7 +67,13 @@ pub struct Options {
     #[arg(long, default_value = "band", value_name = "MODE", help_heading = "Light")]
     source_mode: SourceMode,
     /// Coherence length λ²/Δλ of a Gaussian line, such as 30um, in place of a source mode
-    #[arg(long, value_name = "LENGTH", conflicts_with = "source_mode", help_heading = "Light")]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        allow_hyphen_values = true,
+        conflicts_with = "source_mode",
+        help_heading = "Light"
+    )]
     coherence_length: Option<String>,
 
     /// Ray trees per incidence: 200000, 2e5, 200k or 1M
@@ -84,7 +90,7 @@ pub struct Options {
     edges: Edges,
     /// Degrees by which the direction of a wavelength may differ from that of the ray it shares with others; 0: none share
     /// [default: an eighth of a facet of the dome]
-    #[arg(long, value_name = "DEG", help_heading = "Work")]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Work")]
     spread: Option<f64>,
     /// Finest level of the geodesic dome; its facets are 63°/2^level wide
     #[arg(long, default_value_t = plan::DOME_LEVEL, value_name = "LEVEL", help_heading = "Work",
