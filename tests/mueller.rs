@@ -11,7 +11,8 @@ mod matrices;
 use std::f64::consts::TAU;
 
 use common::Mesh;
-use common::build::{Build, ball, cuboid, fibre, light, mesh};
+use common::build::{Build, ball, fibre, light, mesh};
+use common::cones::lopsided;
 use common::listen::settings;
 use common::stats::{moments, student, welch};
 use glam::{DMat3, DVec3};
@@ -21,7 +22,7 @@ use gonio_embree::experiment::measure;
 use gonio_embree::light::{Light, Polarization};
 use gonio_embree::optics::C64;
 use gonio_embree::plan::{Name, Wanted};
-use gonio_embree::sample::description::{Fill, Shape};
+use gonio_embree::sample::description::Fill;
 use gonio_embree::sample::generate::bricks::Bricks;
 use gonio_embree::sample::generate::packing::Packing;
 use matrices::{Mueller, applied, is_physical, product, turn};
@@ -40,17 +41,6 @@ fn spheres() -> Build {
     let glass = build.cauchy(1.5, 2e4);
     let balls = packing.centers().unwrap();
     balls.into_iter().fold(build, |build, center| build.fill(ball(center, 1.0), Fill::Medium(glass.clone())))
-}
-
-/// Total reflection in a box, metal, absorption, a matt ball, and no symmetry.
-fn lopsided() -> Build {
-    Build::within(1.0)
-        .patch(12.0, 9.0)
-        .put(cuboid([-5.0, -4.0, 0.0], [-1.0, 1.0, 2.0]), 1.5)
-        .put(ball([3.0, 1.0, 5.0], 2.5), C64::new(1.4, 5e-3))
-        .put(ball([-3.5, -3.0, 4.5], 1.0), ALUMINIUM)
-        .put(Shape::Cylinder(fibre([-5.0, 3.0, 2.0], [1.0, -3.0, 6.0], 1.0)), 1.7)
-        .fill(ball([3.0, -3.0, 1.5], 1.2), Fill::Diffuse(0.7))
 }
 
 fn fibres() -> Build {

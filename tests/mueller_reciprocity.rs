@@ -10,32 +10,22 @@ mod common;
 mod matrices;
 
 use common::Mesh;
-use common::build::{Build, ball, cuboid, fibre, light, mesh};
+use common::build::{Build, light, mesh};
+use common::cones::{self, FEW, MANY, TREES, incidence, lopsided, over, spheres, towards, turned_over};
 use common::listen::{entries, listen};
 use common::stats::{moments, welch};
 use glam::{DMat3, DVec3};
 use gonio_embree::intersect::Scene;
 use gonio_embree::intersect::choose::Backend;
-use gonio_embree::light::{Incidence, Light, Polarization};
+use gonio_embree::light::{Light, Polarization};
 use gonio_embree::optics::C64;
 use gonio_embree::optics::field::{Field, Mueller};
 use gonio_embree::plan::{Limits, Options, Plan, Wanted};
-use gonio_embree::sample::description::{Body, Fill, Shape};
-use gonio_embree::sample::generate::packing::Packing;
-use gonio_embree::trace::{All, Batch, Detect, Exit, Kernel, Loss, Recorder, Unit, run};
-use rand::rngs::Xoshiro256PlusPlus;
-use rand::{RngExt, SeedableRng};
+use gonio_embree::sample::description::Shape;
+use gonio_embree::trace::{All, Detect, Exit, Kernel, Recorder, Unit, run};
 
 const FALSE_ALARM: f64 = 1e-3;
 const ALUMINIUM: C64 = C64::new(0.96, 6.69);
-/// Half-angle of the cones, degrees.
-const HALF: f64 = 25.0;
-/// Trees of a direction.
-const TREES: u32 = 128;
-/// Directions of a cone: 10⁵ and 2·10⁶ trees each way.
-const FEW: u32 = 768;
-const MANY: u32 = 16_384;
-
 /// What the way back makes of a matrix.
 fn reversed(m: &matrices::Mueller) -> matrices::Mueller {
     let sign = |i: usize| if i == 2 { -1.0 } else { 1.0 };
@@ -48,16 +38,6 @@ fn in_polar_frame(field: Mueller, dir: DVec3, x: DVec3) -> matrices::Mueller {
     let phi = DVec3::new(-dir.y, dir.x, 0.0).normalize();
     let theta = phi.cross(dir);
     field.rotated(theta.dot(x), theta.dot(dir.cross(x))).rows()
-}
-
-/// The unit vector with this polar angle and azimuth, degrees.
-fn towards((theta, phi): (f64, f64)) -> DVec3 {
-    let ((s, c), (sin, cos)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
-    DVec3::new(s * cos, s * sin, c)
-}
-
-fn incidence(d: DVec3) -> Incidence {
-    Incidence { theta_deg: d.z.acos().to_degrees(), phi_deg: d.y.atan2(d.x).to_degrees() }
 }
 
 fn box_of(size: [f64; 3], turn: DMat3, center: [f64; 3]) -> Shape {
@@ -98,30 +78,6 @@ fn two_mirrors_exchange_source_and_detector() {
     }
 }
 
-/// The sample turned upside down, by half a turn about x. Frames of light from below and to below are turned by 180° at
-/// that, which no Mueller matrix sees.
-fn turned_over(build: &Build) -> Build {
-    let mut d = build.0.clone();
-    for object in &mut d.objects {
-        let Body::Solid(shape, _) = &mut object.body else { panic!("no films here") };
-        match shape {
-            Shape::Sphere { center, .. } => *center = over(*center),
-            Shape::Cylinder(f) => (f.from, f.to) = (over(f.from), over(f.to)),
-            Shape::Cuboid { min, max } => {
-                let (a, b) = (over(*min), over(*max));
-                (*min, *max) = (a.min(b), a.max(b));
-            }
-            Shape::Mesh(mesh) => mesh.vertices.iter_mut().for_each(|v| *v = over(*v)),
-            Shape::Slab { .. } => panic!("no slabs here"),
-        }
-    }
-    Build(d)
-}
-
-fn over(p: DVec3) -> DVec3 {
-    DVec3::new(p.x, -p.y, -p.z)
-}
-
 /// A prism: light leaves it in another direction than it came.
 #[test]
 fn a_prism_exchanges_source_and_detector() {
@@ -159,20 +115,13 @@ struct Cone {
 
 impl Recorder<Mueller> for Cone {
     fn exit(&mut self, exit: &Exit<'_, Mueller>) {
-        if exit.dir.dot(self.axis) > HALF.to_radians().cos() {
+        if cones::holds(self.axis, exit.dir) {
             for (_, field) in exit.loads() {
                 let m = in_polar_frame(field, exit.dir, exit.frame);
                 self.sum.iter_mut().zip(m).for_each(|(sum, x)| *sum += x);
             }
         }
     }
-
-    fn side(&mut self, _: u16, _: f64) {}
-    fn absorb(&mut self, _: u16, _: u16, _: f64) {}
-    fn lose(&mut self, _: Loss, _: u16, _: f64) {}
-    fn doubt(&mut self, _: u16, _: f64) {}
-    fn edge(&mut self, _: u16, _: f64) {}
-    fn segments(&mut self, _: usize) {}
 }
 
 impl Detect<Mueller> for Cone {
@@ -185,27 +134,16 @@ impl Detect<Mueller> for Cone {
     }
 }
 
-/// A direction of a cone.
-fn draw(axis: DVec3, rng: &mut Xoshiro256PlusPlus) -> DVec3 {
-    let c = 1.0 - rng.random::<f64>() * (1.0 - HALF.to_radians().cos());
-    let (sin, cos) = (std::f64::consts::TAU * rng.random::<f64>()).sin_cos();
-    let (u, v) = axis.any_orthonormal_pair();
-    c * axis + (1.0 - c * c).sqrt() * (cos * u + sin * v)
-}
-
 /// cos θᵢ times the matrix from each of many directions of the cone around `from` into the cone around `into`, of which
 /// both axes point away from the sample.
 fn transfer(build: &Build, from: DVec3, into: DVec3, directions: u32, seed: u64) -> Vec<matrices::Mueller> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let incidences: Vec<Incidence> = (0..directions).map(|_| incidence(draw(from, &mut rng))).collect();
-    let light = Light { incidences, ..light(&[550.0], &[], Polarization::Mueller) };
+    let light = cones::light_from(from, directions, seed, Polarization::Mueller);
     let sample = build.sample(&light);
     let scene = Scene::new(sample.primitives.clone(), sample.domain, Backend::auto()).unwrap();
     let plan = Plan::new(&sample, &light, &Options::default());
     let kernel = Kernel::new(&sample, &scene, &plan, &light);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    let batch = |incidence| Batch { seed, incidence, scramble: 0 };
-    let units: Vec<Unit> = (0..directions).flat_map(|i| Unit::cut(batch(i), TREES)).collect();
+    let units: Vec<Unit> = cones::batches(seed, directions).into_iter().flat_map(|b| Unit::cut(b, TREES)).collect();
     let make = || Cone { axis: into, sum: [0.0; 16] };
     let mut rows = Vec::new();
     run::<Mueller, All, _>(&kernel, &light, &units, &pool, make, |_, part, _| {
@@ -248,22 +186,6 @@ fn transmits(name: &str, build: &Build, above: (f64, f64), below: (f64, f64), di
     let down = transfer(build, a, over(b), directions, 3);
     let up = transfer(&turned_over(build), b, over(a), directions, 4);
     compare(name, &down, &up)
-}
-
-fn spheres() -> Build {
-    let size = DVec3::new(20.0, 20.0, 12.0);
-    Build::within(1.0).packing(&Packing { count: 350, radius: 1.0, size, periodic: true, seed: 3 }, 1.5)
-}
-
-/// Nothing about it is symmetric; there is total reflection, metal, absorption and a matt ball.
-fn lopsided() -> Build {
-    Build::within(1.0)
-        .patch(12.0, 9.0)
-        .put(cuboid([-5.0, -4.0, 0.0], [-1.0, 1.0, 2.0]), 1.5)
-        .put(ball([3.0, 1.0, 5.0], 2.5), C64::new(1.4, 5e-3))
-        .put(ball([-3.5, -3.0, 4.5], 1.0), ALUMINIUM)
-        .put(Shape::Cylinder(fibre([-5.0, 3.0, 2.0], [1.0, -3.0, 6.0], 1.0)), 1.7)
-        .fill(ball([3.0, -3.0, 1.5], 1.2), Fill::Diffuse(0.7))
 }
 
 fn all(directions: u32) {

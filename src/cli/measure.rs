@@ -177,11 +177,9 @@ impl Options {
         let mut incidences = Vec::new();
         for &phi_deg in &self.azimuth.all {
             for &theta_deg in &self.incident.all {
-                if !(0.0..=Incidence::MAX_THETA_DEG).contains(&theta_deg) {
-                    let most = Incidence::MAX_THETA_DEG;
-                    return Err(Failure::Input(format!("--incident: {theta_deg}°: expected 0 to {most}°")));
-                }
-                incidences.push(Incidence { theta_deg, phi_deg });
+                let incidence = Incidence { theta_deg, phi_deg };
+                incidence.check().map_err(|e| Failure::Input(format!("--incident: {e}")))?;
+                incidences.push(incidence);
             }
         }
         let wavelengths = Wavelengths::from_nm(self.wavelengths.all.clone())

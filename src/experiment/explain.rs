@@ -3,8 +3,7 @@
 use std::time::Instant;
 
 use super::gather::Gather;
-use super::{Bench, Settings, pilot};
-use crate::intersect::choose::BackendError;
+use super::{Bench, Error, Settings, pilot};
 use crate::light::Light;
 use crate::output::plan::Explanation;
 use crate::plan::{Name, Plan};
@@ -18,8 +17,8 @@ const TIMES: usize = 3;
 /// Plans a measurement, and times some trees of it.
 ///
 /// # Errors
-/// When the backend cannot work.
-pub fn explain(sample: &Sample, light: &Light, settings: &Settings) -> Result<Explanation, BackendError> {
+/// When the light comes from nowhere, or the backend cannot work.
+pub fn explain(sample: &Sample, light: &Light, settings: &Settings) -> Result<Explanation, Error> {
     let bench = Bench::new(sample, light, settings)?;
     let plan = pilot::decide(&bench, Plan::new(sample, light, &settings.options));
     let others: Vec<Option<Plan>> = plan.effects.iter().map(|e| other(&bench, &plan, e.name)).collect();

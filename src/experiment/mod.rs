@@ -6,6 +6,7 @@ mod gather;
 mod pilot;
 mod provenance;
 
+use std::fmt;
 use std::time::Instant;
 
 use crate::bsdf::Bsdf;
@@ -83,6 +84,32 @@ pub struct Progress {
     pub seconds: f64,
 }
 
+/// Why nothing is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Error {
+    /// A direction of incidence is none.
+    Incidence(String),
+    /// Nobody can intersect.
+    Backend(BackendError),
+}
+
+impl From<BackendError> for Error {
+    fn from(e: BackendError) -> Self {
+        Self::Backend(e)
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Incidence(why) => write!(f, "incidence: {why}"),
+            Self::Backend(why) => why.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
 /// What all rays of an experiment need: the sample under its light, ready to be traced.
 struct Bench<'a> {
     sample: &'a Sample,
@@ -93,7 +120,8 @@ struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    fn new(sample: &'a Sample, light: &'a Light, settings: &'a Settings) -> Result<Self, BackendError> {
+    fn new(sample: &'a Sample, light: &'a Light, settings: &'a Settings) -> Result<Self, Error> {
+        light.incidences.iter().try_for_each(|i| i.check().map_err(Error::Incidence))?;
         let scene = Scene::new(sample.primitives.clone(), sample.domain, settings.backend)?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(settings.threads)
@@ -110,13 +138,13 @@ impl<'a> Bench<'a> {
 /// Measures `sample` under `light`; `watch` is told how far the work is.
 ///
 /// # Errors
-/// When the backend cannot work.
+/// When the light comes from nowhere, or the backend cannot work.
 pub fn measure(
     sample: &Sample,
     light: &Light,
     settings: &Settings,
     watch: impl FnMut(Progress),
-) -> Result<Outcome, BackendError> {
+) -> Result<Outcome, Error> {
     let start = Instant::now();
     let bench = Bench::new(sample, light, settings)?;
     let plan = pilot::decide(&bench, Plan::new(sample, light, &settings.options));
@@ -127,4 +155,29 @@ pub fn measure(
     let bsdf = Bsdf::new(light, &gathered.measurements, &plan, &sample.groups.names, &Rule::default());
     let stacks = gathered.stacks;
     Ok(Outcome { bsdf, plan, stacks, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::{Incidence, Polarization, SourceMode, Wavelengths};
+    use crate::sample::Description;
+
+    /// An accelerator may abort the program on a direction that is none.
+    #[test]
+    fn light_from_nowhere_is_refused() {
+        let mut light = Light {
+            wavelengths: Wavelengths::from_nm(vec![550.0]).unwrap(),
+            incidences: vec![Incidence { theta_deg: 0.0, phi_deg: 0.0 }],
+            polarization: Polarization::Unpolarized,
+            source: SourceMode::Band,
+        };
+        let description = Description::from_toml("tests/samples/good/spheres.toml".as_ref()).unwrap();
+        let sample = Sample::new(&description, &light.wavelengths, light.coherence()).unwrap();
+        for (theta_deg, phi_deg) in [(f64::NAN, 0.0), (90.0, 0.0), (-1.0, 0.0), (10.0, f64::INFINITY)] {
+            light.incidences[0] = Incidence { theta_deg, phi_deg };
+            let refused = measure(&sample, &light, &Settings::default(), |_| {});
+            assert!(matches!(refused, Err(Error::Incidence(_))), "{theta_deg} {phi_deg}");
+        }
+    }
 }

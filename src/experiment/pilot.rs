@@ -9,7 +9,7 @@ use super::delta::delta;
 use crate::dome::{Delta, Detector, Entry, Locator, Shape, Tally};
 use crate::optics::field::{Field, Range, Stokes};
 use crate::plan::{Name, Plan, Verdict};
-use crate::trace::{All, Batch, Detect, Exit, Loss, Recorder, Unit, run};
+use crate::trace::{All, Batch, Detect, Exit, Recorder, Unit, run};
 
 /// Independent scrambles of a pilot; their numbers begin where no measurement gets.
 const BATCHES: u32 = 16;
@@ -150,13 +150,6 @@ impl Recorder<Range> for Doubts {
             self.sums[side + usize::from(lane)].iter_mut().zip(terms).for_each(|(sum, x)| *sum += x);
         }
     }
-
-    fn side(&mut self, _: u16, _: f64) {}
-    fn absorb(&mut self, _: u16, _: u16, _: f64) {}
-    fn lose(&mut self, _: Loss, _: u16, _: f64) {}
-    fn doubt(&mut self, _: u16, _: f64) {}
-    fn edge(&mut self, _: u16, _: f64) {}
-    fn segments(&mut self, _: usize) {}
 }
 
 impl Detect<Range> for Doubts {

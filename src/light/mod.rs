@@ -83,6 +83,21 @@ impl Incidence {
     /// Largest polar angle taken, degrees.
     pub const MAX_THETA_DEG: f64 = 89.99;
 
+    /// Whether it is a direction above the sample.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn check(&self) -> Result<(), String> {
+        let most = Self::MAX_THETA_DEG;
+        if !(0.0..=most).contains(&self.theta_deg) {
+            return Err(format!("{}°: expected 0 to {most}°", self.theta_deg));
+        }
+        if !self.phi_deg.is_finite() {
+            return Err(format!("azimuth {}°: expected a number", self.phi_deg));
+        }
+        Ok(())
+    }
+
     /// Direction of propagation of the light, in the sample frame.
     pub fn propagation(&self) -> DVec3 {
         let (sin, cos) = exact_sin_cos(self.theta_deg);

@@ -50,24 +50,24 @@ impl<F: Field> Exit<'_, F> {
     }
 }
 
-/// Listens to the tracer.
+/// Listens to the tracer; what it does not care for passes it by.
 pub trait Recorder<F> {
     /// A ray left upwards or downwards.
     fn exit(&mut self, exit: &Exit<'_, F>);
     /// Power of a lane left sideways.
-    fn side(&mut self, lane: u16, power: f64);
+    fn side(&mut self, _lane: u16, _power: f64) {}
     /// Power of a lane was absorbed by a body of this group.
-    fn absorb(&mut self, group: u16, lane: u16, power: f64);
+    fn absorb(&mut self, _group: u16, _lane: u16, _power: f64) {}
     /// Power of a lane was lost.
-    fn lose(&mut self, why: Loss, lane: u16, power: f64);
+    fn lose(&mut self, _why: Loss, _lane: u16, _power: f64) {}
     /// Power of a lane met, for the first time on its way, a face so narrow that ray optics is in doubt, outside
     /// of films.
-    fn doubt(&mut self, lane: u16, power: f64);
+    fn doubt(&mut self, _lane: u16, _power: f64) {}
     /// Power of a lane met, for the first time on its way, a stack of films so near to its edge that light in it would get
     /// there.
-    fn edge(&mut self, lane: u16, power: f64);
+    fn edge(&mut self, _lane: u16, _power: f64) {}
     /// Segments were traced.
-    fn segments(&mut self, count: usize);
+    fn segments(&mut self, _count: usize) {}
 }
 
 #[cfg(test)]

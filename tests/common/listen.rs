@@ -62,11 +62,6 @@ impl<F: Field> Recorder<F> for Heard<F> {
     fn lose(&mut self, _: Loss, _: u16, power: f64) {
         self.lost += power;
     }
-
-    fn doubt(&mut self, _: u16, _: f64) {}
-    fn edge(&mut self, _: u16, _: f64) {}
-
-    fn segments(&mut self, _: usize) {}
 }
 
 /// Where trees enter, and their random numbers.
@@ -154,11 +149,6 @@ impl<F: Field, B: Fn(DVec3) -> Option<usize>> Recorder<F> for Histogram<'_, B> {
     fn lose(&mut self, _: Loss, _: u16, power: f64) {
         self.elsewhere(power);
     }
-
-    fn doubt(&mut self, _: u16, _: f64) {}
-    fn edge(&mut self, _: u16, _: f64) {}
-
-    fn segments(&mut self, _: usize) {}
 }
 
 impl<F: Field, B: Fn(DVec3) -> Option<usize>> Detect<F> for Histogram<'_, B> {

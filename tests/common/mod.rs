@@ -7,6 +7,7 @@ use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 
 pub mod build;
+pub mod cones;
 pub mod listen;
 pub mod reference;
 pub mod stats;
