@@ -125,6 +125,7 @@ fn rate(case: &Case, backend: Backend, threads: usize) -> (f64, f64) {
         backend,
         dome_level: 6,
         options: Options { limits: case.limits, ..Options::default() },
+        arm: None,
     };
     let runs = (0..3).map(|_| {
         let outcome = measure(&sample, &light, &settings, |_| {}).unwrap();

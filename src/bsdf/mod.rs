@@ -1,8 +1,12 @@
 //! The result: spectral BRDF and BTDF with standard errors, and the energy ledger.
 
+mod scan;
+
 use crate::dome::{Entry, Estimate, Facet, Leaf, Measurement, Rule};
 use crate::light::{Incidence, Light};
 use crate::plan::Plan;
+
+pub use scan::{Arm, Reading, Scan};
 
 /// Bidirectional scattering distribution function of a sample under a light.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +24,8 @@ pub struct Bsdf {
 pub struct Scattering {
     /// Direction towards the source.
     pub incidence: Incidence,
+    /// Angle from the normal, degrees, at which undeflected light leaves below, per wavelength; NaN where none can.
+    pub straight_deg: Vec<f64>,
     /// Trees traced.
     pub trees: u64,
     /// Segments traced.
@@ -141,7 +147,7 @@ pub struct FacetValue {
 
 impl Scattering {
     /// From what the dome measured. Wavelengths that shared a lane get the same numbers.
-    pub fn new(incidence: Incidence, measurement: &Measurement, plan: &Plan, rule: &Rule) -> Self {
+    fn new(incidence: Incidence, straight_deg: Vec<f64>, measurement: &Measurement, plan: &Plan, rule: &Rule) -> Self {
         let spread =
             |term: usize| -> Vec<Estimate> { plan.lane_of.iter().map(|&lane| measurement.term(term, lane)).collect() };
         let mut ledger = Ledger::default();
@@ -158,7 +164,7 @@ impl Scattering {
             (shape.components > 1).then(|| DeltaMatrices { specular: matrices(false), undeflected: matrices(true) });
         let facets = measurement.leaves(rule).into_iter().map(|leaf| FacetValue::new(&leaf, &plan.lane_of)).collect();
         let (trees, segments) = (measurement.trees(), measurement.segments());
-        Self { incidence, trees, segments, ledger, absorbed_by, deltas, facets }
+        Self { incidence, straight_deg, trees, segments, ledger, absorbed_by, deltas, facets }
     }
 }
 
@@ -174,14 +180,21 @@ impl FacetValue {
 }
 
 impl Bsdf {
-    /// From one measurement per incidence of the light.
-    pub fn new(light: &Light, measurements: &[Measurement], plan: &Plan, groups: &[String], rule: &Rule) -> Self {
+    /// From one measurement per incidence of the light, and the angles of undeflected light.
+    pub fn new(
+        light: &Light,
+        measurements: &[Measurement],
+        straight_deg: &[Vec<f64>],
+        plan: &Plan,
+        groups: &[String],
+        rule: &Rule,
+    ) -> Self {
         let told = measurements.first().map_or(0, |m| m.shape().groups);
-        let scatterings = light.incidences.iter().zip(measurements);
+        let scatterings = light.incidences.iter().zip(straight_deg).zip(measurements);
         Self {
             wavelength_nm: light.wavelengths.nm().to_vec(),
             groups: groups[..told].to_vec(),
-            incidences: scatterings.map(|(&i, m)| Scattering::new(i, m, plan, rule)).collect(),
+            incidences: scatterings.map(|((&i, s), m)| Scattering::new(i, s.clone(), m, plan, rule)).collect(),
         }
     }
 

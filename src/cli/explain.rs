@@ -1,19 +1,26 @@
 //! `explain`: the plan of a measurement, before it is made.
 
+use clap::Args;
 use gonio_embree::experiment::explain;
 use gonio_embree::output::plan;
-use gonio_embree::sample::Sample;
 
-use super::measure::Options;
+use super::setup::{Scene, Setup};
 use super::{Failure, answer};
+
+/// Options of `explain`.
+#[derive(Debug, Args)]
+pub struct Options {
+    #[command(flatten)]
+    setup: Setup,
+    /// Print one JSON document (schema gonio-plan-1)
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+}
 
 /// Plans, times some trees, and prints what came out.
 pub fn run(options: &Options) -> Result<(), Failure> {
-    let light = options.light()?;
-    let description = options.description()?;
-    let sample =
-        Sample::new(&description, &light.wavelengths, light.coherence()).map_err(|e| Failure::Input(e.to_string()))?;
-    let settings = options.settings()?;
+    let Scene { light, sample, .. } = options.setup.scene()?;
+    let settings = options.setup.settings()?;
     let explanation = explain(&sample, &light, &settings).map_err(|e| Failure::Cannot(e.to_string()))?;
     answer(&if options.json { plan::json(&explanation) + "\n" } else { plan::text(&explanation) })
 }

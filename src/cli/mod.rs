@@ -8,14 +8,18 @@ mod measure;
 mod medium;
 mod numbers;
 mod progress;
+mod scan;
+mod setup;
 
 use std::fmt;
 use std::io::{self, Write as _};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
 use clap::{Parser, Subcommand};
 use gonio_embree::intersect::choose::Backend;
+use gonio_embree::output::atomic;
 
 /// A virtual goniospectrophotometer: the spectral BRDF and BTDF of a sample from its microgeometry, with error bars.
 #[derive(Debug, Parser)]
@@ -41,7 +45,9 @@ enum Command {
     /// Reflectance, transmittance and colour of a stack of films
     Film(film::Options),
     /// Which effects a measurement will simulate, why, and what each costs
-    Explain(measure::Options),
+    Explain(explain::Options),
+    /// What a detector reads that goes through the plane of incidence, from a result or from the sample itself
+    Scan(scan::Options),
     /// Built-in media, or a file of one: where its numbers come from, and what they are
     Materials(materials::Options),
 }
@@ -93,6 +99,7 @@ pub fn run() -> ExitCode {
         Some(Command::Generate(kind)) => generate::run(kind),
         Some(Command::Film(options)) => film::run(options),
         Some(Command::Explain(options)) => explain::run(options),
+        Some(Command::Scan(options)) => scan::run(options),
         Some(Command::Materials(options)) => materials::run(options),
         None => measure::run(&cli.measure),
     };
@@ -109,6 +116,11 @@ pub fn run() -> ExitCode {
 fn tell(text: &str) {
     // Nobody is left to complain to if this fails.
     let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// Writes a file, whole or not at all.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    atomic::write(path, bytes).map_err(|e| Failure::Cannot(format!("{}: cannot be written: {e}", path.display())))
 }
 
 /// What was asked for. A reader that has gone away is no error.

@@ -2,19 +2,23 @@
 
 use glam::DVec3;
 
+use super::apertures::Apertures;
 use super::frame;
 use super::geodesic::{Locator, count};
 use super::tally::{Entry, Shape, Tally};
 use crate::optics::field::Field;
 use crate::trace::{Detect, Exit, Loss, Recorder};
 
-/// Directions in which a flat sample sends all its light: kept apart from the facets.
+/// What is told apart from the facets under one incidence: the directions in which a flat sample sends all its light, and
+/// what detectors see through apertures.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Delta {
+pub struct Apart {
     /// Mirror direction.
     pub specular: DVec3,
     /// Straight through, per lane: refracted by the medium below.
     pub undeflected: Vec<DVec3>,
+    /// Detectors besides the dome; what they see is in its facets, too.
+    pub apertures: Apertures,
 }
 
 /// Directions closer than this are the same: far above rounding, far below any lobe.
@@ -24,10 +28,10 @@ const SAME_DIRECTION: f64 = 1e-9;
 pub struct Detector<'a> {
     locator: &'a Locator,
     tally: Tally,
-    /// Delta directions per incidence, and which of them holds now.
-    deltas: &'a [Delta],
-    delta: &'a Delta,
-    /// Row of each facet in `power`, or [`NOT_HIT`].
+    /// What is told apart per incidence, and under the one that holds now.
+    all_apart: &'a [Apart],
+    apart: &'a Apart,
+    /// Row of each facet, and then of each aperture, in `power`, or [`NOT_HIT`].
     rows: Vec<u32>,
     hit: Vec<Hit>,
     power: Vec<f64>,
@@ -42,25 +46,25 @@ struct Hit {
 const NOT_HIT: u32 = u32::MAX;
 
 impl<'a> Detector<'a> {
-    /// A dome with the facets of `locator`, for light of the incidences with these delta directions.
+    /// A dome with the facets of `locator`; an element of `apart` for each incidence.
     ///
     /// # Panics
     /// When there is no incidence.
-    pub fn new(locator: &'a Locator, shape: Shape, deltas: &'a [Delta]) -> Self {
+    pub fn new(locator: &'a Locator, shape: Shape, apart: &'a [Apart]) -> Self {
+        let apertures = apart.iter().map(|a| a.apertures.len()).max().unwrap_or(0);
         Self {
             locator,
             tally: Tally::new(shape),
-            deltas,
-            delta: &deltas[0],
-            rows: vec![NOT_HIT; count(locator.level()) as usize],
+            all_apart: apart,
+            apart: &apart[0],
+            rows: vec![NOT_HIT; count(locator.level()) as usize + apertures],
             hit: Vec::new(),
             power: Vec::new(),
         }
     }
 
-    fn row(&mut self, dir: DVec3, tree: u32) -> &mut [f64] {
+    fn row(&mut self, code: u32, tree: u32) -> &mut [f64] {
         let width = self.tally.shape().row();
-        let code = self.locator.code(dir);
         let row = &mut self.rows[code as usize];
         if *row == NOT_HIT {
             *row = self.hit.len() as u32;
@@ -74,6 +78,15 @@ impl<'a> Detector<'a> {
             hit.trees += 1;
         }
         &mut self.power[row * width..(row + 1) * width]
+    }
+
+    /// Power that detectors see. Their rows follow those of the facets, and have no matrices.
+    fn take_apertures<F: Field>(&mut self, exit: &Exit<'_, F>) {
+        let apart = self.apart;
+        for aperture in apart.apertures.catching(exit.dir) {
+            let row = self.row(count(self.locator.level()) + aperture, exit.tree);
+            exit.loads().for_each(|(lane, field)| row[usize::from(lane) * F::COMPONENTS] += field.power());
+        }
     }
 
     /// Light in the mirror direction, or straight behind the sample, in the s and p frame of that direction: its own
@@ -104,13 +117,16 @@ impl<F: Field> Recorder<F> for Detector<'_> {
         let up = exit.dir.z > 0.0;
         let total = if up { Entry::Reflected } else { Entry::Transmitted };
         exit.loads().for_each(|(lane, field)| self.tally.add(total as usize, lane, field.power()));
+        if !self.apart.apertures.is_empty() {
+            self.take_apertures(exit);
+        }
         // The straight direction may differ between lanes, but only where each has a ray of its own.
-        let straight = || exit.loads().next().map(|(lane, _)| self.delta.undeflected[usize::from(lane)]);
-        let delta = if up { Some(self.delta.specular) } else { straight() };
+        let straight = || exit.loads().next().map(|(lane, _)| self.apart.undeflected[usize::from(lane)]);
+        let delta = if up { Some(self.apart.specular) } else { straight() };
         if let Some(direction) = delta.filter(|&d| same(exit.dir, d)) {
             return self.take_delta(exit, direction);
         }
-        let row = self.row(exit.dir, exit.tree);
+        let row = self.row(self.locator.code(exit.dir), exit.tree);
         if F::COMPONENTS == 1 {
             return exit.loads().for_each(|(lane, field)| row[usize::from(lane)] += field.power());
         }
@@ -158,7 +174,7 @@ impl<F: Field> Detect<F> for Detector<'_> {
     type Part = Tally;
 
     fn begin(&mut self, incidence: usize) {
-        self.delta = &self.deltas[incidence];
+        self.apart = &self.all_apart[incidence];
     }
 
     fn finish(&mut self, trees: u64) -> Tally {
@@ -189,10 +205,10 @@ mod tests {
     #[test]
     fn rounding_at_a_pole_turns_no_frame() {
         let locator = Locator::new(1);
-        let deltas = [Delta { specular: DVec3::Z, undeflected: vec![DVec3::NEG_Z] }];
+        let apart = [Apart { specular: DVec3::Z, undeflected: vec![DVec3::NEG_Z], apertures: Apertures::default() }];
         let shape = Shape { lanes: 1, components: 16, groups: 0 };
         for behind in [false, true] {
-            let mut detector = Detector::new(&locator, shape, &deltas);
+            let mut detector = Detector::new(&locator, shape, &apart);
             for (tree, azimuth) in [0.0, 0.8, 1.6, 2.5].into_iter().enumerate() {
                 let z = if behind { -1.0 } else { 1.0 };
                 let dir = DVec3::new(1e-16 * f64::cos(azimuth), 1e-16 * f64::sin(azimuth), z);

@@ -102,21 +102,21 @@ mod tests {
     use rand::rngs::Xoshiro256PlusPlus;
     use rand::{RngExt, SeedableRng};
 
-    use super::super::{Delta, Detector, Locator, Shape, Tally};
+    use super::super::{Apart, Apertures, Detector, Locator, Shape, Tally};
     use super::*;
     use crate::optics::field::{Field, Stokes};
     use crate::trace::{Detect, testing};
 
-    fn vertical() -> Vec<Delta> {
-        vec![Delta { specular: DVec3::Z, undeflected: vec![DVec3::NEG_Z] }]
+    fn vertical() -> Vec<Apart> {
+        vec![Apart { specular: DVec3::Z, undeflected: vec![DVec3::NEG_Z], apertures: Apertures::default() }]
     }
 
     /// Fills a dome with `batches` × `trees` exits drawn by `sample`.
     fn fill(batches: usize, trees: u32, mut sample: impl FnMut(&mut Xoshiro256PlusPlus) -> DVec3) -> Measurement {
         let locator = Locator::new(4);
-        let deltas = vertical();
-        let mut detector = Detector::new(&locator, Shape::of_power(1), &deltas);
-        let mut measurement = Measurement::new(Shape::of_power(1), 4);
+        let apart = vertical();
+        let mut detector = Detector::new(&locator, Shape::of_power(1), &apart);
+        let mut measurement = Measurement::new(Shape::of_power(1), 4, 0);
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(11);
         for _ in 0..batches {
             for tree in 0..trees {
@@ -171,8 +171,8 @@ mod tests {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
         let tallies: Vec<Tally> = (0..6)
             .map(|_| {
-                let deltas = vertical();
-                let mut d = Detector::new(&locator, Shape::of_power(1), &deltas);
+                let apart = vertical();
+                let mut d = Detector::new(&locator, Shape::of_power(1), &apart);
                 for tree in 0..50 {
                     testing::exit(&mut d, tree, lambert(&mut rng), Stokes::incident([1.0, 1.0, 0.0, 0.0]));
                 }

@@ -5,6 +5,7 @@
 //! every level has a mean and a standard error. Only then are facets merged that do not differ: the result does
 //! not depend on the order of events, and parts measured elsewhere merge by addition.
 
+mod apertures;
 mod detector;
 mod frame;
 mod geodesic;
@@ -12,7 +13,8 @@ mod leaves;
 mod statistics;
 mod tally;
 
-pub use detector::{Delta, Detector};
+pub use apertures::Apertures;
+pub use detector::{Apart, Detector};
 pub use geodesic::{FINEST_LEVEL, Facet, Locator, count};
 pub use leaves::{Leaf, RESOLVED, Rule};
 pub use statistics::{Estimate, Measurement};

@@ -40,15 +40,17 @@ pub struct Measurement {
     /// Sum of the terms of all batches.
     totals: Vec<f64>,
     levels: Vec<Level>,
+    /// Rows of apertures.
+    apertures: Level,
 }
 
 /// Variances below this part of the mean square are rounding.
 const ROUNDING: f64 = 1e-15;
 
 impl Measurement {
-    /// Nothing yet, for a dome of level `finest`.
-    pub fn new(shape: Shape, finest: u8) -> Self {
-        let level = |l| Level { rows: vec![ABSENT; count(l) as usize], ..Level::default() };
+    /// Nothing yet, for a dome of level `finest` and so many apertures.
+    pub fn new(shape: Shape, finest: u8, apertures: usize) -> Self {
+        let level = |rows: usize| Level { rows: vec![ABSENT; rows], ..Level::default() };
         Self {
             shape,
             finest,
@@ -56,7 +58,8 @@ impl Measurement {
             segments: 0,
             batches: Vec::new(),
             totals: vec![0.0; shape.lanes * shape.terms()],
-            levels: (0..=finest).map(level).collect(),
+            levels: (0..=finest).map(|l| level(count(l) as usize)).collect(),
+            apertures: level(apertures),
         }
     }
 
@@ -70,6 +73,10 @@ impl Measurement {
         self.batches.push(terms.iter().map(|x| x / n).collect());
         let mut rows: Vec<(u32, u64, Vec<f64>)> =
             batch.facets().map(|(code, trees, power)| (code, u64::from(trees), power.to_vec())).collect();
+        let apertures = rows.split_off(rows.partition_point(|row| row.0 < count(self.finest)));
+        for (code, trees, power) in apertures {
+            self.apertures.add(code - count(self.finest), trees, &power, n);
+        }
         for level in (0..=self.finest).rev() {
             for (code, trees, power) in &rows {
                 let told = self.told(Facet { level, code: *code }, power);
@@ -139,8 +146,16 @@ impl Measurement {
 
     /// The same for a component of what the facet got: 0 is its power.
     pub fn component(&self, facet: Facet, lane: usize, component: usize) -> Estimate {
-        let level = &self.levels[usize::from(facet.level)];
-        let row = level.rows[facet.code as usize];
+        self.estimate(&self.levels[usize::from(facet.level)], facet.code as usize, lane, component)
+    }
+
+    /// Share of the incident power that went through an aperture, for a lane.
+    pub fn aperture(&self, aperture: usize, lane: usize) -> Estimate {
+        self.estimate(&self.apertures, aperture, lane, 0)
+    }
+
+    fn estimate(&self, level: &Level, at: usize, lane: usize, component: usize) -> Estimate {
+        let row = level.rows[at];
         if row == ABSENT {
             return Estimate::default();
         }

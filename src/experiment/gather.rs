@@ -3,9 +3,9 @@
 
 use std::time::Instant;
 
-use super::delta::delta;
+use super::apart::apart;
 use super::{BATCHES, Bench, Progress, Settings};
-use crate::dome::{Delta, Detector, Locator, Measurement, Shape, Tally};
+use crate::dome::{Apart, Detector, Locator, Measurement, Shape, Tally};
 use crate::light::Light;
 use crate::optics::field::Field;
 use crate::trace::{Batch, Effects, Job, Kernel, Stacks, Unit, run};
@@ -44,10 +44,11 @@ impl<W: FnMut(Progress)> Job for Gather<'_, '_, W> {
         let groups = if plan.kernel.absorbs { sample.groups.names.len() } else { 0 };
         let shape = Shape { lanes: self.kernel.lanes(), components: F::COMPONENTS, groups };
         let locator = Locator::new(settings.dome_level);
-        let deltas: Vec<Delta> = light.incidences.iter().map(|i| delta(sample, plan, i)).collect();
+        let arm = settings.arm.as_ref();
+        let apart: Vec<Apart> = light.incidences.iter().map(|i| apart(sample, plan, i, arm)).collect();
         let units: Vec<Unit> = units(light, settings).collect();
-        let make = || Detector::new(&locator, shape, &deltas);
-        let mut gathered = Gathered::new(light, settings, shape);
+        let make = || Detector::new(&locator, shape, &apart);
+        let mut gathered = Gathered::new(settings, shape, &apart);
         run::<F, E, _>(self.kernel, light, &units, pool, make, |unit, tally, stacks| {
             gathered.stacks.merge(&stacks);
             gathered.take(unit, &tally, settings.trees);
@@ -60,10 +61,11 @@ impl<W: FnMut(Progress)> Job for Gather<'_, '_, W> {
 }
 
 impl Gathered {
-    fn new(light: &Light, settings: &Settings, shape: Shape) -> Self {
-        let total = settings.trees * light.incidences.len() as u64;
+    fn new(settings: &Settings, shape: Shape, apart: &[Apart]) -> Self {
+        let total = settings.trees * apart.len() as u64;
+        let measurement = |apart: &Apart| Measurement::new(shape, settings.dome_level, apart.apertures.len());
         Self {
-            measurements: light.incidences.iter().map(|_| Measurement::new(shape, settings.dome_level)).collect(),
+            measurements: apart.iter().map(measurement).collect(),
             stacks: Stacks::default(),
             batch: Tally::new(shape),
             progress: Progress { done: 0, total, incidences: 0, seconds: 0.0 },

@@ -1,6 +1,6 @@
 //! The order of work: plan, try what the plan leaves open, trace, evaluate.
 
-mod delta;
+mod apart;
 mod explain;
 mod gather;
 mod pilot;
@@ -9,7 +9,7 @@ mod provenance;
 use std::fmt;
 use std::time::Instant;
 
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Arm, Bsdf, Scan};
 use crate::dome::Rule;
 use crate::intersect::Scene;
 use crate::intersect::choose::{Backend, BackendError};
@@ -40,6 +40,8 @@ pub struct Settings {
     pub dome_level: u8,
     /// What is simulated.
     pub options: plan::Options,
+    /// A detector on an arm, besides the dome.
+    pub arm: Option<Arm>,
 }
 
 impl Default for Settings {
@@ -52,6 +54,7 @@ impl Default for Settings {
             backend: Backend::auto(),
             dome_level: plan::DOME_LEVEL,
             options: plan::Options::default(),
+            arm: None,
         }
     }
 }
@@ -61,6 +64,8 @@ impl Default for Settings {
 pub struct Outcome {
     /// The result.
     pub bsdf: Bsdf,
+    /// What the detector on its arm has read, per incidence, if there was one.
+    pub scans: Vec<Scan>,
     /// The plan it was made by.
     pub plan: Plan,
     /// Stacks of films met.
@@ -152,9 +157,12 @@ pub fn measure(
     let tracing = Instant::now();
     let gathered = with_kernel(plan.kernel, Gather::new(&bench, &kernel, start, watch));
     let tracing_seconds = tracing.elapsed().as_secs_f64();
-    let bsdf = Bsdf::new(light, &gathered.measurements, &plan, &sample.groups.names, &Rule::default());
+    let straight = |i| apart::straight_deg(sample, &plan, i);
+    let straight: Vec<Vec<f64>> = light.incidences.iter().map(straight).collect();
+    let bsdf = Bsdf::new(light, &gathered.measurements, &straight, &plan, &sample.groups.names, &Rule::default());
+    let scans = settings.arm.iter().flat_map(|arm| bsdf.scans(arm, &gathered.measurements, &plan)).collect();
     let stacks = gathered.stacks;
-    Ok(Outcome { bsdf, plan, stacks, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
+    Ok(Outcome { bsdf, scans, plan, stacks, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
 }
 
 #[cfg(test)]

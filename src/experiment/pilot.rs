@@ -5,8 +5,8 @@
 //! equivalence: not to have seen a difference is no reason).
 
 use super::Bench;
-use super::delta::delta;
-use crate::dome::{Delta, Detector, Entry, Locator, Shape, Tally};
+use super::apart::apart;
+use crate::dome::{Apart, Detector, Entry, Locator, Shape, Tally};
 use crate::optics::field::{Field, Range, Stokes};
 use crate::plan::{Name, Plan, Verdict};
 use crate::trace::{All, Batch, Detect, Exit, Recorder, Unit, run};
@@ -198,8 +198,8 @@ fn is_above(code: u32) -> bool {
 fn tallies(bench: &Bench<'_>, plan: &Plan, trees: u32) -> Vec<Tally> {
     let kernel = bench.kernel(plan);
     let locator = Locator::new(LEVEL);
-    let deltas: Vec<Delta> = bench.light.incidences.iter().map(|i| delta(bench.sample, plan, i)).collect();
-    let make = || Detector::new(&locator, Shape::of_power(kernel.lanes()), &deltas);
+    let apart: Vec<Apart> = bench.light.incidences.iter().map(|i| apart(bench.sample, plan, i, None)).collect();
+    let make = || Detector::new(&locator, Shape::of_power(kernel.lanes()), &apart);
     let mut tallies = Vec::new();
     run::<Stokes, All, _>(&kernel, bench.light, &units(bench, trees), &bench.pool, make, |_, tally, _| {
         tallies.push(tally);

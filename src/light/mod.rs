@@ -105,6 +105,13 @@ impl Incidence {
         -DVec3::new(sin * cos_phi, sin * sin_phi, cos)
     }
 
+    /// The exit in the plane of incidence at this signed angle from the normal, degrees, above or below the sample:
+    /// positive on the side of the mirror direction and of the straight one.
+    pub fn in_plane(&self, angle_deg: f64, below: bool) -> DVec3 {
+        let ((sin, cos), (sin_phi, cos_phi)) = (exact_sin_cos(angle_deg), exact_sin_cos(self.phi_deg));
+        DVec3::new(-sin * cos_phi, -sin * sin_phi, if below { -cos } else { cos })
+    }
+
     /// Direction of s polarization: perpendicular to the plane of incidence, which at θ = 0 is that of the azimuth.
     pub fn s_direction(&self) -> DVec3 {
         let (sin_phi, cos_phi) = exact_sin_cos(self.phi_deg);

@@ -3,20 +3,18 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::{Area, Drawn, FONT, WIDTH, shade};
+use super::panel::{self, Curve, Panel, evenly};
+use super::{Area, Drawn, FONT, WIDTH};
 use crate::colour::Srgb;
 use crate::films::{Shares, Spectrum, Sweep};
 
 /// Heights of a row of charts and of the colours, pixels.
 const ROW: u32 = 360;
 const COLOURS: u32 = 130;
-/// Lines in a legend, colours beside each other.
-const MOST_NAMED: usize = 6;
+/// Colours beside each other.
 const MOST_COLOURS: usize = 17;
 /// Wavelengths drawn over the angle.
 const MOST_WAVELENGTHS: usize = 6;
-/// Values that are too few for a curve: the points are shown.
-const FEW: usize = 20;
 /// Characters of the title.
 const LONGEST_TITLE: usize = 130;
 /// Less is not worth a chart.
@@ -61,7 +59,7 @@ fn rows(sweep: &Sweep) -> Vec<Row> {
     let over_angle = Row {
         x_name: "angle of incidence / °",
         x: spectra.iter().map(|s| s.angle_deg).collect(),
-        lines: chosen(nm.len(), MOST_WAVELENGTHS)
+        lines: evenly(nm.len(), MOST_WAVELENGTHS)
             .map(|w| Line { name: format!("{} nm", nm[w]), shares: spectra.iter().map(|s| s.shares[w]).collect() })
             .collect(),
     };
@@ -70,12 +68,6 @@ fn rows(sweep: &Sweep) -> Vec<Row> {
         (true, true) => vec![over_wavelength, over_angle],
         _ => vec![over_wavelength],
     }
-}
-
-/// At most `most` numbers below `count`, evenly from the first to the last.
-fn chosen(count: usize, most: usize) -> impl Iterator<Item = usize> {
-    let n = count.min(most);
-    (0..n).map(move |i| if n < 2 { 0 } else { i * (count - 1) / (n - 1) })
 }
 
 fn draw(root: &Area<'_>, title: &str, sweep: &Sweep, rows: &[Row]) -> Drawn {
@@ -94,48 +86,19 @@ fn draw_row(area: &Area<'_>, row: &Row) -> Drawn {
     let some = |share: &Share| row.lines.iter().flat_map(|l| &l.shares).any(|s| share(s) > NOTHING);
     let shown: Vec<_> = shares.into_iter().filter(|(name, share)| *name == "Reflectance" || some(share)).collect();
     for (part, (name, share)) in area.split_evenly((1, shown.len())).iter().zip(shown) {
-        draw_chart(part, name, row, share)?;
+        panel::draw(part, &chart(name, row, share))?;
     }
     Ok(())
 }
 
-fn draw_chart(area: &Area<'_>, title: &str, row: &Row, share: Share) -> Drawn {
-    let low = row.x.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = row.x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // A single value still needs an axis.
-    let pad = if low == high { 10.0 } else { 0.0 };
-    let top = row.lines.iter().flat_map(|l| &l.shares).map(share).fold(0.0, f64::max);
-    let top = if top > NOTHING { 1.08 * top } else { 1.0 };
-    let mut chart = ChartBuilder::on(area)
-        .caption(title, (FONT, 18))
-        .margin(10)
-        .margin_right(24)
-        .x_label_area_size(40)
-        .y_label_area_size(50)
-        .build_cartesian_2d(low - pad..high + pad, 0.0..top)?;
-    let format = |x: &f64| format!("{x:.0}");
-    let mut mesh = chart.configure_mesh();
-    mesh.x_desc(row.x_name).x_labels(6).light_line_style(WHITE).label_style((FONT, 13));
-    if high - low >= 10.0 { mesh.x_label_formatter(&format) } else { &mut mesh }.draw()?;
-    let count = row.lines.len();
-    let named: Vec<usize> = chosen(count, MOST_NAMED).collect();
-    for (i, line) in row.lines.iter().enumerate() {
-        let color = shade(0.85 * i as f64 / (count - 1).max(1) as f64);
-        let points = row.x.iter().zip(&line.shares).map(|(&x, s)| (x, share(s)));
-        let size = if row.x.len() <= FEW { 3 } else { 0 };
-        let series = chart.draw_series(LineSeries::new(points, color.stroke_width(2)).point_size(size))?;
-        if named.contains(&i) {
-            let mark = move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2));
-            series.label(&line.name[..]).legend(mark);
-        }
+fn chart(title: &str, row: &Row, share: Share) -> Panel {
+    let curve = |line: &Line| Curve::exact(&line.name[..], row.x.clone(), line.shares.iter().map(share));
+    Panel {
+        title: title.into(),
+        x_name: row.x_name.into(),
+        curves: row.lines.iter().map(curve).collect(),
+        ..Panel::default()
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .background_style(WHITE.mix(0.8))
-        .border_style(BLACK.mix(0.2))
-        .label_font((FONT, 13))
-        .draw()
 }
 
 /// A rectangle per angle in the colour of what it reflects of daylight.
@@ -147,7 +110,7 @@ fn draw_colours(area: &Area<'_>, title: &str, sweep: &Sweep) -> Drawn {
     text((12, 10), &title, 16, HPos::Left)?;
     let note = format!("{} light; colour of reflected daylight (D65, 2° observer) per angle:", sweep.polarization);
     text((12, 36), &note, 14, HPos::Left)?;
-    let shown: Vec<&Spectrum> = chosen(sweep.spectra.len(), MOST_COLOURS).map(|i| &sweep.spectra[i]).collect();
+    let shown: Vec<&Spectrum> = evenly(sweep.spectra.len(), MOST_COLOURS).map(|i| &sweep.spectra[i]).collect();
     let width = ((WIDTH as i32 - 24) / shown.len().max(1) as i32).min(120);
     for (i, spectrum) in (0..).zip(&shown) {
         let left = 12 + i * width;

@@ -3,10 +3,14 @@
 mod film;
 mod hemisphere;
 mod material;
+mod panel;
+mod scan;
 mod spectra;
 
 pub use film::film;
 pub use material::{IndexCurve, material};
+pub use panel::{Curve, Panel};
+pub use scan::scans;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -22,6 +26,8 @@ const WIDTH: u32 = 1200;
 /// Heights of the spectra and of a row of hemispheres.
 const SPECTRA: u32 = 400;
 const ROW: u32 = 340;
+/// Height of a title.
+const TITLE: u32 = 36;
 /// Hemispheres beside each other.
 const MOST_MAPS: usize = 4;
 
@@ -60,9 +66,30 @@ fn draw(root: &Area<'_>, measured: &Measured, transmits: bool) -> Drawn {
 
 /// Some incidences, evenly from the first to the last.
 fn chosen(all: &[Scattering]) -> Vec<&Scattering> {
-    let n = all.len().min(MOST_MAPS);
-    let at = |i: usize| if n < 2 { 0 } else { i * (all.len() - 1) / (n - 1) };
-    (0..n).map(|i| &all[at(i)]).collect()
+    panel::evenly(all.len(), MOST_MAPS).map(|i| &all[i]).collect()
+}
+
+/// Panels beside each other, at most two in a row, as SVG; no title if it is empty.
+pub fn panels(title: &str, panels: &[Panel]) -> String {
+    let columns = panels.len().clamp(1, 2);
+    let rows = panels.len().div_ceil(columns);
+    let head = if title.is_empty() { 0 } else { TITLE };
+    let mut text = String::new();
+    {
+        let root = SVGBackend::with_string(&mut text, (WIDTH, head + rows as u32 * SPECTRA)).into_drawing_area();
+        // Writing to a string cannot fail.
+        let _ = draw_panels(&root, title, head, panels, (rows, columns)).and_then(|()| root.present());
+    }
+    text
+}
+
+fn draw_panels(root: &Area<'_>, title: &str, head: u32, panels: &[Panel], grid: (usize, usize)) -> Drawn {
+    root.fill(&WHITE)?;
+    let (top, charts) = root.split_vertically(head);
+    if head > 0 {
+        top.draw_text(title, &(FONT, 20).into_text_style(&top), (16, 10))?;
+    }
+    charts.split_evenly(grid).iter().zip(panels).try_for_each(|(area, panel)| panel::draw(area, panel))
 }
 
 /// A colour for a part (0 to 1) of a scale.

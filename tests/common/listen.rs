@@ -14,7 +14,7 @@ use gonio_embree::trace::{
 
 /// Usual settings.
 pub fn settings(trees: u64) -> Settings {
-    Settings { trees, seed: 1, threads: 2, backend: Backend::auto(), dome_level: 3, options: Options::default() }
+    Settings { trees, seed: 1, threads: 2, dome_level: 3, ..Settings::default() }
 }
 
 /// A ray that left.

@@ -18,7 +18,7 @@ pub use read::from_bytes;
 pub use write::to_bytes;
 
 /// Name and version of the layout.
-const SCHEMA: &str = "gonio-bsdf-1";
+const SCHEMA: &str = "gonio-bsdf-2";
 
 /// Why a result could not be written or read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,7 +73,16 @@ mod tests {
             let incidence = Incidence { theta_deg, phi_deg: 0.1 };
             let deltas = mueller.then(|| DeltaMatrices { specular: matrices(0.1), undeflected: matrices(0.2) });
             let absorbed_by = (0..groups).map(|g| estimate(0.2 + g as f64)).collect();
-            Scattering { incidence, trees: 1 << 40, segments: 7, ledger, absorbed_by, deltas, facets }
+            Scattering {
+                incidence,
+                straight_deg: vec![theta_deg, theta_deg / 3.0],
+                trees: 1 << 40,
+                segments: 7,
+                ledger,
+                absorbed_by,
+                deltas,
+                facets,
+            }
         };
         let provenance = Provenance {
             version: "0".into(),

@@ -63,9 +63,12 @@ impl Reader {
         let per_incidence = |name| self.numbers(name, incidences);
         let (theta, phi) = (per_incidence("theta_i")?, per_incidence("phi_i")?);
         let (trees, segments) = (per_incidence("trees")?, per_incidence("segments")?);
+        let straight = self.numbers("undeflected_theta", incidences * wavelengths)?;
+        let straight: Vec<Vec<f64>> = straight.chunks(wavelengths.max(1)).map(<[f64]>::to_vec).collect();
         let mut scatterings: Vec<Scattering> = (0..incidences)
             .map(|i| Scattering {
                 incidence: Incidence { theta_deg: theta[i], phi_deg: phi[i] },
+                straight_deg: straight[i].clone(),
                 trees: trees[i] as u64,
                 segments: segments[i] as u64,
                 ledger: Ledger::default(),

@@ -101,6 +101,9 @@ impl Writer {
         ] {
             self.put(name, &[self.incidence], &per_incidence(f), [unit, meaning, ""])?;
         }
+        let straight: Vec<f64> = bsdf.incidences.iter().flat_map(|s| s.straight_deg.iter().copied()).collect();
+        let about = ["degree", "angle from the normal below at which undeflected light leaves", "theta_i phi_i"];
+        self.put("undeflected_theta", &[self.incidence, self.wavelength], &straight, about)?;
         for (i, (name, _)) in Ledger::default().entries().into_iter().enumerate() {
             let all = bsdf.incidences.iter().flat_map(|s| s.ledger.entries()[i].1);
             let about = ["1", "share of the incident power", "theta_i phi_i"];

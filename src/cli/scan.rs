@@ -1,0 +1,112 @@
+//! `scan`: what a detector on the arm of a goniometer reads.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use gonio_embree::bsdf::{Arm, Scan};
+use gonio_embree::experiment::{Settings, measure};
+use gonio_embree::output::{netcdf, scan as output};
+use gonio_embree::plot;
+
+use super::numbers::Values;
+use super::progress::Line;
+use super::setup::{Scene, Setup};
+use super::{Failure, answer, tell, write};
+
+/// Options of `scan`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A stored result is read under the detector's aperture, facet by facet: nothing finer than these shows. \
+    With --mesh or --sample the light is measured by the detector itself:\n  \
+    gonio-embree scan feather.nc --incident 45 --wavelength 560 --csv\n  \
+    gonio-embree scan --sample web.toml --incident 20,45,75 --wavelength 670 --polarization s --trees 2M -o web.svg\n\
+    --azimuth 90 turns the sample by 90° under the light, the other way round."
+)]
+pub struct Options {
+    /// A result; without it the sample is measured
+    #[arg(value_name = "FILE.nc", conflicts_with_all = ["mesh", "sample"])]
+    result: Option<PathBuf>,
+    #[command(flatten)]
+    setup: Setup,
+    /// Signed exit angles in degrees, positive on the side of the mirror direction, negative on that of the source
+    #[arg(
+        long,
+        default_value = "-90:90:1",
+        allow_hyphen_values = true,
+        value_name = "ANGLES",
+        help_heading = "Detector"
+    )]
+    exit: Values,
+    /// Full width of the detector's aperture, degrees
+    #[arg(long, default_value_t = 2.0, value_name = "DEG", help_heading = "Detector")]
+    aperture: f64,
+    /// The detector goes below the sample
+    #[arg(long, help_heading = "Detector")]
+    below: bool,
+    /// Print CSV instead of the table
+    #[arg(long, help_heading = "Output")]
+    csv: bool,
+    /// A picture
+    #[arg(short, long, value_name = "FILE.svg", help_heading = "Output")]
+    output: Option<PathBuf>,
+    /// Show no progress
+    #[arg(long, help_heading = "Output")]
+    quiet: bool,
+}
+
+/// Scans, and writes what came out.
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let arm = Arm { angles_deg: options.exit.all.clone(), aperture_deg: options.aperture, below: options.below };
+    arm.check().map_err(|e| Failure::Input(format!("--exit, --aperture: {e}")))?;
+    let scans = match &options.result {
+        Some(path) => options.stored(path, &arm)?,
+        None => options.measured(arm)?,
+    };
+    answer(&if options.csv { output::csv(&scans) } else { output::table(&scans) })?;
+    if let Some(path) = &options.output {
+        write(path, plot::scans(&scans, options.below).as_bytes())?;
+        if !options.quiet {
+            tell(&format!("wrote {}", path.display()));
+        }
+    }
+    Ok(())
+}
+
+impl Options {
+    fn measured(&self, arm: Arm) -> Result<Vec<Scan>, Failure> {
+        let Scene { light, sample, .. } = self.setup.scene()?;
+        let settings = Settings { arm: Some(arm), ..self.setup.settings()? };
+        let mut line = Line::new(self.quiet);
+        let outcome = measure(&sample, &light, &settings, |p| line.show(&p, light.incidences.len()));
+        line.clear();
+        Ok(outcome.map_err(|e| Failure::Cannot(e.to_string()))?.scans)
+    }
+
+    /// What is asked for of a result: all, unless the user says which.
+    fn stored(&self, path: &Path, arm: &Arm) -> Result<Vec<Scan>, Failure> {
+        let named = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", path.display()));
+        let bytes = std::fs::read(path).map_err(|e| named(&format!("cannot be read: {e}")))?;
+        let bsdf = netcdf::from_bytes(&bytes).map_err(|e| named(&e))?.bsdf;
+        let theta: Vec<f64> = bsdf.incidences.iter().map(|s| s.incidence.theta_deg).collect();
+        let phi: Vec<f64> = bsdf.incidences.iter().map(|s| s.incidence.phi_deg).collect();
+        let wanted = |name: &str, given: &Option<Values>, there: &[f64]| {
+            chosen(given, there).map_err(|e| named(&format!("--{name}: {e}")))
+        };
+        let theta_wanted = wanted("incident", &self.setup.incident, &theta)?;
+        let phi_wanted = wanted("azimuth", &self.setup.azimuth, &phi)?;
+        let wavelengths = wanted("wavelength", &self.setup.wavelengths, &bsdf.wavelength_nm)?;
+        let incidences = (0..theta.len()).filter(|&i| theta_wanted.contains(&theta[i]) && phi_wanted.contains(&phi[i]));
+        Ok(incidences.map(|i| bsdf.scan(arm, i).only(&wavelengths)).collect())
+    }
+}
+
+/// Values that are asked for, which must be there; all that are there if none are.
+fn chosen(given: &Option<Values>, there: &[f64]) -> Result<Vec<f64>, String> {
+    let Some(given) = given else { return Ok(there.to_vec()) };
+    if let Some(missing) = given.all.iter().find(|x| !there.contains(x)) {
+        let mut known: Vec<String> = there.iter().map(f64::to_string).collect();
+        known.dedup();
+        return Err(format!("{missing} was not measured; there are {}", known.join(", ")));
+    }
+    Ok(given.all.clone())
+}
