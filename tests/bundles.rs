@@ -118,6 +118,29 @@ fn what_scatters_is_told_from_what_does_not() {
     comparisons.judge(5e-3);
 }
 
+/// A liquid matches balls at one of the wavelengths, to within rounding. That one goes straight on, whoever shares its rays
+/// before.
+#[test]
+fn light_that_sees_nothing_goes_straight_on() {
+    let mut build = Build::within(1.0);
+    let (glass, liquid) = (build.cauchy(1.585, 4480.0), build.cauchy(1.535, 18_000.0));
+    (build.0.above, build.0.below) = (liquid.clone(), liquid);
+    let balls = (0..20).map(|i| ball([f64::from(i % 5 - 2) * 4.1, 0.0, 9.0 * f64::from(i / 5)], 4.0));
+    let build = balls.fold(build.open().patch(20.0, 6.0), |b, ball| b.fill(ball, Fill::Medium(glass.clone())));
+    let nm: Vec<f64> = (0..20).map(|i| 400.0 + 15.0 * f64::from(i)).collect();
+    let light = light(&nm, &[(0.0, 0.0), (50.0, 40.0)], Polarization::Unpolarized);
+    for (theta, ledger, _) in run(&build, &light, &settings(5000)) {
+        for (i, nm) in nm.iter().enumerate() {
+            let straight = ledger.undeflected[i].value;
+            if *nm == 520.0 {
+                assert!((straight - 1.0).abs() < 1e-9, "{theta}°: {straight}");
+            } else {
+                assert!(straight < 0.9, "{theta}°, {nm} nm: {straight}");
+            }
+        }
+    }
+}
+
 /// Light that enters a ball near its rim leaves it nearly at grazing angles. No wavelength may be led beyond the critical
 /// angle there by others: it would go round for ever.
 #[test]

@@ -72,3 +72,27 @@ impl Comparisons {
         assert!(largest_se < se, "standard errors up to {largest_se:e}: too little is known to tell");
     }
 }
+
+/// A CSV file of `tests/reference`: a row per line, numbers by name.
+pub fn csv(file: &str) -> Vec<Row> {
+    let text = std::fs::read_to_string(format!("tests/reference/{file}")).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect::<Vec<String>>());
+    let names = lines.next().unwrap();
+    lines.map(|fields| Row(names.iter().cloned().zip(fields).collect())).collect()
+}
+
+/// A row of a CSV file.
+#[derive(Clone, Debug)]
+pub struct Row(std::collections::HashMap<String, String>);
+
+impl Row {
+    /// A word.
+    pub fn word(&self, name: &str) -> &str {
+        self.0.get(name).unwrap_or_else(|| panic!("there is no column {name}"))
+    }
+
+    /// A number.
+    pub fn number(&self, name: &str) -> f64 {
+        self.word(name).parse().unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+}

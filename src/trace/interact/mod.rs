@@ -265,6 +265,12 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         }
     }
 
+    /// Whether the interface is plane.
+    #[inline]
+    fn is_plane(&self) -> bool {
+        self.kernel.scene.primitives().plane(self.interface.surface).is_some()
+    }
+
     fn plane(&self) -> Plane {
         Plane::new(self.interface.dir, self.interface.normal, self.stream.flights[self.slot].frame)
     }

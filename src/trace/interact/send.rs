@@ -43,6 +43,11 @@ impl Fan {
 /// Lanes share a refracted direction only if it could go back the way it came for each of them: their sines must differ by
 /// less than this times the square of the cosine before. Else light that grazes into a sphere would find no way out.
 const REVERSIBLE: f64 = 0.1;
+
+/// A lane whose indices before and behind differ by less than this part goes straight on, and no other lane may turn it: what
+/// is not scattered at all is told apart.
+const UNBENT: f64 = 1e-12;
+
 /// Directions behind an interface.
 struct Fans<'a> {
     /// Sine and cosine of the angle of incidence.
@@ -58,13 +63,20 @@ impl Fans<'_> {
         [bend.ratio * self.sin, bend.cos]
     }
 
+    /// Whether the interface is none for a lane.
+    fn is_unbent(&self, lane: u16) -> bool {
+        self.bends[usize::from(lane)].is_some_and(|bend| (bend.ratio - 1.0).abs() < UNBENT)
+    }
+
     /// The fan of the first of some lanes, not wider than `width`, and the first lane beyond it.
     fn bundle(&self, mut lanes: impl Iterator<Item = u16>, width: f64) -> (Fan, Option<u16>) {
         let reversible = REVERSIBLE * self.cos * self.cos;
-        let mut fan = Fan::new(lanes.next().map_or([self.sin, self.cos], |lane| self.direction(lane)));
+        let first = lanes.next();
+        let mut fan = Fan::new(first.map_or([self.sin, self.cos], |lane| self.direction(lane)));
+        let unbent = first.is_some_and(|lane| self.is_unbent(lane));
         for lane in lanes {
             let wider = fan.with(self.direction(lane));
-            if wider.width() > width || wider.high[0] - wider.low[0] > reversible {
+            if unbent != self.is_unbent(lane) || wider.width() > width || wider.high[0] - wider.low[0] > reversible {
                 return (fan, Some(lane));
             }
             fan = wider;
@@ -167,7 +179,7 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
     /// together for some more. Turns at many interfaces add up like steps of a random walk. Plane faces part all lanes:
     /// behind a pane each goes on exactly as it came.
     fn widest(&self, slot: Slot) -> f64 {
-        if self.kernel.scene.primitives().plane(self.interface.surface).is_some() {
+        if self.is_plane() {
             return 0.0;
         }
         let (most, spread) = (self.kernel.plan.limits.spread, self.stream.flights[slot].spread);
