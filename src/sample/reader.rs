@@ -258,6 +258,27 @@ impl<'a> Table<'a> {
         all.try_into().ok()
     }
 
+    /// Any number of lengths, µm.
+    pub fn list_of_lengths(&self, key: &'static str) -> Option<Vec<f64>> {
+        let value = self.get(key)?;
+        let Some(list) = value.get_ref().as_array() else {
+            self.wrong(key, value, "a list of lengths such as [0.3, 0.5]");
+            return None;
+        };
+        list.iter().map(|v| self.as_length(key, v)).collect()
+    }
+
+    /// Any number of plain numbers.
+    pub fn list_of_numbers(&self, key: &'static str) -> Option<Vec<f64>> {
+        let value = self.get(key)?;
+        let list = value.get_ref().as_array();
+        let numbers = list.and_then(|l| l.iter().map(|v| as_number(v.get_ref())).collect());
+        if numbers.is_none() {
+            self.wrong(key, value, "a list of numbers such as [0.8, 0.2]");
+        }
+        numbers
+    }
+
     /// Three plain numbers, not all 0.
     pub fn direction(&self, key: &'static str) -> Option<DVec3> {
         let expected = "a direction such as [0, 0, 1]";

@@ -10,6 +10,7 @@ use glam::DVec2;
 use super::description::{Description, Named, Object, Patch, Sides};
 use super::fill::named;
 use super::generate::Generate;
+use super::generate::common::{Setting, heights};
 use super::problem::{Place, Problems};
 use super::reader::{Source, Table};
 use crate::units::LengthUnit;
@@ -58,7 +59,8 @@ fn read_file(file: &Table<'_>, path: &Path) -> Description {
     }
     for table in file.tables("generate") {
         let table = table.with_unit(unit);
-        if let Some(generate) = Generate::read(&table) {
+        let setting = Setting { periodic: sides == Sides::Periodic, top: heights(&objects).map(|[_, top]| top) };
+        if let Some(generate) = Generate::read(&table, setting) {
             patch = patch.or(generate.patch());
             objects.extend(generate.objects(&table).into_iter().flatten());
         }

@@ -3,7 +3,11 @@
 //! To add one: a file with its parameters and the objects they make, and an arm in [`Generate`].
 
 pub mod bricks;
+pub mod common;
+pub mod insertion;
 pub mod packing;
+pub mod sizes;
+pub mod web;
 
 use glam::DVec2;
 
@@ -11,7 +15,9 @@ use super::description::{Object, Patch};
 use super::problem::suggestion;
 use super::reader::Table;
 use bricks::Bricks;
+use common::Setting;
 use packing::SpherePacking;
+use web::Web;
 
 /// A `[[generate]]` table.
 #[derive(Clone, Debug)]
@@ -20,16 +26,19 @@ pub enum Generate {
     Bricks(Bricks),
     /// Spheres by random insertion.
     Packing(SpherePacking),
+    /// Fibres of paper.
+    Web(Web),
 }
 
-const KINDS: [&str; 2] = ["bricks", "packing"];
+const KINDS: [&str; 3] = ["bricks", "packing", "web"];
 
 impl Generate {
     /// Reads the table; `None` if something is wrong, which has been noted.
-    pub fn read(t: &Table<'_>) -> Option<Self> {
+    pub fn read(t: &Table<'_>, setting: Setting) -> Option<Self> {
         match t.text("kind").or_else(|| t.missing_if_absent("kind", "\"bricks\"")) {
             Some("bricks") => return Bricks::read(t).map(Self::Bricks),
-            Some("packing") => return SpherePacking::read(t).map(Self::Packing),
+            Some("packing") => return SpherePacking::read(t, setting).map(Self::Packing),
+            Some("web") => return Web::read(t, setting).map(Self::Web),
             Some(other) => {
                 let hint = suggestion(other, KINDS);
                 t.complain(format!("unknown kind `{other}`{hint}; known: {}", KINDS.join(", ")));
@@ -44,7 +53,8 @@ impl Generate {
     pub fn patch(&self) -> Option<Patch> {
         let size = match self {
             Self::Bricks(b) => DVec2::from_array(b.patch()),
-            Self::Packing(p) => p.packing.size.truncate(),
+            Self::Packing(p) => p.slab.size.truncate(),
+            Self::Web(w) => w.size,
         };
         Some(Patch { size, center: DVec2::ZERO })
     }
@@ -54,6 +64,7 @@ impl Generate {
         match self {
             Self::Bricks(b) => Some(b.objects(t.place())),
             Self::Packing(p) => p.objects(t.place()).map_err(|e| t.complain(e.to_string())).ok(),
+            Self::Web(w) => w.objects(t.place()).map_err(|e| t.complain(e)).ok(),
         }
     }
 }
