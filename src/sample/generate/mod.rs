@@ -4,8 +4,11 @@
 
 pub mod bricks;
 pub mod common;
+pub mod flakes;
 pub mod insertion;
+pub mod mosaic;
 pub mod packing;
+mod prism;
 pub mod sizes;
 pub mod web;
 
@@ -16,6 +19,8 @@ use super::problem::suggestion;
 use super::reader::Table;
 use bricks::Bricks;
 use common::Setting;
+use flakes::Flakes;
+use mosaic::Mosaic;
 use packing::SpherePacking;
 use web::Web;
 
@@ -28,9 +33,13 @@ pub enum Generate {
     Packing(SpherePacking),
     /// Fibres of paper.
     Web(Web),
+    /// Flakes of an effect pigment.
+    Flakes(Flakes),
+    /// Layers of unequal platelets.
+    Mosaic(Mosaic),
 }
 
-const KINDS: [&str; 3] = ["bricks", "packing", "web"];
+const KINDS: [&str; 5] = ["bricks", "packing", "web", "flakes", "mosaic"];
 
 impl Generate {
     /// Reads the table; `None` if something is wrong, which has been noted.
@@ -38,6 +47,8 @@ impl Generate {
         match t.text("kind").or_else(|| t.missing_if_absent("kind", "\"bricks\"")) {
             Some("bricks") => return Bricks::read(t).map(Self::Bricks),
             Some("packing") => return SpherePacking::read(t, setting).map(Self::Packing),
+            Some("flakes") => return Flakes::read(t, setting).map(Self::Flakes),
+            Some("mosaic") => return Mosaic::read(t, setting).map(Self::Mosaic),
             Some("web") => return Web::read(t, setting).map(Self::Web),
             Some(other) => {
                 let hint = suggestion(other, KINDS);
@@ -55,6 +66,8 @@ impl Generate {
             Self::Bricks(b) => DVec2::from_array(b.patch()),
             Self::Packing(p) => p.slab.size.truncate(),
             Self::Web(w) => w.size,
+            Self::Flakes(f) => f.slab.size.truncate(),
+            Self::Mosaic(m) => DVec2::from_array(m.patch()),
         };
         Some(Patch { size, center: DVec2::ZERO })
     }
@@ -64,6 +77,8 @@ impl Generate {
         match self {
             Self::Bricks(b) => Some(b.objects(t.place())),
             Self::Packing(p) => p.objects(t.place()).map_err(|e| t.complain(e.to_string())).ok(),
+            Self::Flakes(f) => f.objects(t.place()).map_err(|e| t.complain(e.to_string())).ok(),
+            Self::Mosaic(m) => Some(m.objects(t.place())),
             Self::Web(w) => w.objects(t.place()).map_err(|e| t.complain(e)).ok(),
         }
     }

@@ -58,16 +58,21 @@ impl Sizes {
         }
     }
 
+    /// One of them; of shares the first.
+    pub(super) fn one(&self, rng: &mut impl Rng) -> f64 {
+        match self {
+            Self::Equal(size) => *size,
+            Self::LogNormal { mean, spread } => log_normal(*mean, *spread, cut_normal(rng)),
+            Self::Shares(all) => all[0].0,
+        }
+    }
+
     /// `count` sizes, the largest first; those given by shares come in just these shares.
     pub fn draw(&self, count: usize, seed: u64) -> Vec<f64> {
+        let mut rng = random(seed);
         let mut sizes = match self {
-            Self::Equal(size) => vec![*size; count],
-            Self::LogNormal { mean, spread } => {
-                // Places are drawn with the seed itself.
-                let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x5151_5151);
-                (0..count).map(|_| log_normal(*mean, *spread, cut_normal(&mut rng))).collect()
-            }
             Self::Shares(all) => in_shares(all, count),
+            _ => (0..count).map(|_| self.one(&mut rng)).collect(),
         };
         sizes.sort_by(|a, b| b.total_cmp(a));
         sizes
@@ -75,21 +80,27 @@ impl Sizes {
 
     /// Sizes drawn until the sum of their n-th powers is as near to `sum` as can be, the largest first.
     pub fn draw_up_to(&self, sum: f64, n: i32, seed: u64) -> Vec<f64> {
-        let expected = (sum / self.mean_power(n)).round() as usize;
-        let Self::LogNormal { mean, spread } = self else { return self.draw(expected, seed) };
-        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x5151_5151);
+        if !matches!(self, Self::LogNormal { .. }) {
+            return self.draw((sum / self.mean_power(n)).round() as usize, seed);
+        }
+        let mut rng = random(seed);
         let (mut sizes, mut reached) = (Vec::new(), 0.0);
         loop {
-            let next = log_normal(*mean, *spread, cut_normal(&mut rng));
-            if reached + 0.5 * next.powi(n) > sum {
+            let next = self.one(&mut rng).powi(n);
+            if reached + 0.5 * next > sum {
                 break;
             }
-            reached += next.powi(n);
-            sizes.push(next);
+            reached += next;
+            sizes.push(next.powf(1.0 / f64::from(n)));
         }
         sizes.sort_by(|a, b| b.total_cmp(a));
         sizes
     }
+}
+
+/// Numbers apart from those that places are drawn with.
+fn random(seed: u64) -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x5151_5151)
 }
 
 /// `spread`, 0 if it is not given.
@@ -108,7 +119,7 @@ fn log_normal(mean: f64, spread: f64, deviations: f64) -> f64 {
     mean * (variance.sqrt() * deviations - 0.5 * variance).exp()
 }
 
-pub(super) fn cut_normal(rng: &mut impl Rng) -> f64 {
+fn cut_normal(rng: &mut impl Rng) -> f64 {
     loop {
         let x = normal(rng);
         if x.abs() <= CUT {

@@ -246,8 +246,10 @@ fn read_deviation(t: &Table<'_>) -> Option<Deviation> {
     if let Some(mean) = mean.filter(|m| (0.0..=LARGEST).contains(m)) {
         return Some(Deviation::Mean(mean));
     }
-    let found =
-        mean.map_or_else(|| text.unwrap_or_default().into(), |m| format!("{} deg", significant(m.to_degrees(), 4)));
+    let found = mean.map_or_else(
+        || format!("{:?}", text.unwrap_or_default()),
+        |m| format!("{} deg", significant(m.to_degrees(), 4)),
+    );
     let message = format!(
         "deviation = {found}: expected the mean angle to x, from 0 to 44 such as \"15 deg\", or \"random\" (then it is 45)"
     );
