@@ -36,8 +36,17 @@ impl Source {
     /// When it cannot be read or is no text.
     pub fn read(path: &Path) -> Result<Self, Problem> {
         let text = text::read(path, MOST_BYTES).map_err(|e| Place::file(path).problem(e))?;
+        Ok(Self::new(path, text))
+    }
+
+    /// A text that stands in no file.
+    pub fn text(text: &str) -> Self {
+        Self::new(Path::new(""), text.into())
+    }
+
+    fn new(path: &Path, text: String) -> Self {
         let ends = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
-        Ok(Self { path: path.into(), text, ends, problems: RefCell::default(), named: RefCell::default() })
+        Self { path: path.into(), text, ends, problems: RefCell::default(), named: RefCell::default() }
     }
 
     /// Parses the file as TOML; what cannot be parsed is left out and noted.

@@ -196,6 +196,19 @@ impl Flakes {
         ))
     }
 
+    /// What it is, in a line.
+    pub fn title(&self) -> String {
+        let [smallest, largest] =
+            [self.diameters.last(), self.diameters.first()].map(|d| d.map_or_else(String::new, |d| significant(*d, 4)));
+        format!(
+            "{} flakes of {} corners, {smallest} to {largest} um wide and {} um thick without their skin, in a slab {} um high",
+            self.diameters.len(),
+            self.sides,
+            self.thickness,
+            self.slab.size.z
+        )
+    }
+
     /// The flakes, each with its core.
     ///
     /// # Errors

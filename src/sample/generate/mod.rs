@@ -4,6 +4,7 @@
 
 pub mod bricks;
 pub mod common;
+pub mod export;
 pub mod flakes;
 pub mod insertion;
 pub mod mosaic;
@@ -14,9 +15,10 @@ pub mod web;
 
 use glam::DVec2;
 
-use super::description::{Object, Patch};
+use super::description::{Object, Patch, Sides};
 use super::problem::suggestion;
 use super::reader::Table;
+use crate::units::significant;
 use bricks::Bricks;
 use common::Setting;
 use flakes::Flakes;
@@ -70,6 +72,19 @@ impl Generate {
             Self::Mosaic(m) => DVec2::from_array(m.patch()),
         };
         Some(Patch { size, center: DVec2::ZERO })
+    }
+
+    /// What it is and on which patch, in a line.
+    pub fn title(&self, sides: Sides) -> String {
+        let what = match self {
+            Self::Bricks(b) => b.title(),
+            Self::Packing(p) => p.title(),
+            Self::Web(w) => w.title(),
+            Self::Flakes(f) => f.title(),
+            Self::Mosaic(m) => m.title(),
+        };
+        let [w, d] = self.patch().map_or([0.0; 2], |p| p.size.to_array()).map(|x| significant(x, 9));
+        format!("{what}; {sides} patch {w} x {d} um")
     }
 
     /// What it makes; problems are noted at the table.

@@ -131,6 +131,14 @@ impl Mosaic {
         drawn.into_iter().map(piece).collect()
     }
 
+    /// What it is, in a line.
+    pub fn title(&self) -> String {
+        format!(
+            "{} layers of platelets {} x {} x {} um in the mean, edges spread by {}",
+            self.layers, self.size.x, self.size.y, self.size.z, self.spread
+        )
+    }
+
     /// The platelets, each with its core where one fits.
     pub fn objects(&self, place: &Place) -> Vec<Object> {
         let mut objects = Vec::new();

@@ -14,6 +14,7 @@ use super::common::{Common, Setting};
 pub use super::insertion::PackingError;
 use super::insertion::{Balls, Slab};
 use super::sizes::Sizes;
+use crate::units::significant;
 
 /// A packing of equal spheres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,6 +165,18 @@ impl SpherePacking {
         Some(Self { slab: Slab { size, periodic: common.periodic }, radii, fill: fill?, common })
     }
 
+    /// What it is, in a line.
+    pub fn title(&self) -> String {
+        let [smallest, largest] =
+            [self.radii.last(), self.radii.first()].map(|r| r.map_or_else(String::new, |r| significant(*r, 4)));
+        let share = fraction(&self.slab, &self.radii);
+        format!(
+            "{} spheres of radius {smallest} to {largest} um in a slab {} um high, {share:.4} of its volume",
+            self.radii.len(),
+            self.slab.size.z
+        )
+    }
+
     /// The spheres.
     ///
     /// # Errors
@@ -201,7 +214,7 @@ fn read_sizes(t: &Table<'_>) -> Option<Sizes> {
     } else if radii.iter().any(|r| *r <= 0.0) {
         "radii: expected lengths greater than 0".into()
     } else if shares.iter().any(|s| *s <= 0.0) || (sum - 1.0).abs() > 1e-6 {
-        format!("shares: expected numbers greater than 0 whose sum is 1; it is {}", crate::units::significant(sum, 6))
+        format!("shares: expected numbers greater than 0 whose sum is 1; it is {}", significant(sum, 6))
     } else {
         return Some(Sizes::Shares(radii.into_iter().zip(shares).collect()));
     };

@@ -191,6 +191,22 @@ impl Web {
         (0..self.layers * self.fibres).map(one).collect()
     }
 
+    /// What it is, in a line.
+    pub fn title(&self) -> String {
+        let directions = match self.deviation {
+            Deviation::Random => "in all directions".into(),
+            Deviation::Mean(0.0) => "along x, side by side".into(),
+            Deviation::Mean(mean) => format!("along x to {} degrees in the mean", significant(mean.to_degrees(), 4)),
+        };
+        format!(
+            "{} fibres {} um long, {} um wide and {} um thick, {directions}",
+            self.layers * self.fibres,
+            self.length,
+            2.0 * self.radius,
+            2.0 * self.radius * self.flatten
+        )
+    }
+
     /// The fibres.
     ///
     /// # Errors
