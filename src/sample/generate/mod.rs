@@ -1,6 +1,7 @@
 //! Samples made by rule: each a `[[generate]]` kind of the sample file and a `generate` sub-command.
 //!
-//! To add one: a file with its parameters and the objects they make, and an arm in [`Generate`].
+//! To add one: a file with its parameters and the objects they make, and an arm in [`Generate`]; the command line needs
+//! the names of its keys only, as it writes the same table.
 
 pub mod bricks;
 pub mod common;

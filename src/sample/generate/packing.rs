@@ -109,6 +109,7 @@ fn check(slab: &Slab, radii: &[f64]) -> Result<(), PackingError> {
     let largest = radii.first().copied().unwrap_or(0.0);
     let positive = |r: &f64| *r > 0.0 && r.is_finite();
     fits("the radius must be positive", radii.iter().all(positive))?;
+    fits("the largest radius must come first", radii.is_sorted_by(|a, b| a >= b))?;
     fits("the slab's edges must be positive", slab.size.min_element() > 0.0 && slab.size.is_finite())?;
     fits("a sphere is thicker than the slab", 2.0 * largest <= slab.size.z)?;
     let across = slab.size.x.min(slab.size.y);
@@ -265,6 +266,7 @@ mod tests {
     fn impossible_packings_are_refused() {
         let base = Packing { count: 1000, radius: 0.5, size: DVec3::splat(10.0), periodic: true, seed: 1 };
         assert!(matches!(Packing { radius: 6.0, ..base }.centers(), Err(PackingError::DoesNotFit(_))));
+        assert!(matches!(insert(&SLAB, &[0.1, 0.2], 1), Err(PackingError::DoesNotFit(_))));
         assert!(matches!(Packing { count: 2000, ..base }.centers(), Err(PackingError::DoesNotFit(_))));
         assert!(matches!(base.centers(), Err(PackingError::DoesNotFit(_))));
         assert!(matches!(Packing { count: 750, ..base }.centers(), Err(PackingError::Jammed { .. })));

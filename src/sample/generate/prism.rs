@@ -72,7 +72,7 @@ impl Turned {
         let corners: Vec<DVec3> = form.corners().into_iter().map(|p| turn * p).collect();
         let edges: Vec<DVec3> = (0..form.sides).map(|i| corners[(i + 1) % form.sides] - corners[i]).collect();
         // Of an even number of sides the second half is that of the first.
-        let different = if form.sides % 2 == 0 { form.sides / 2 } else { form.sides };
+        let different = if form.sides.is_multiple_of(2) { form.sides / 2 } else { form.sides };
         let edges: Vec<DVec3> = edges[..different].to_vec();
         let normals = edges.iter().map(|e| e.cross(turn.z_axis)).chain([turn.z_axis]).collect();
         Self { form, turn, corners, normals, edges: edges.into_iter().chain([turn.z_axis]).collect() }
