@@ -68,10 +68,11 @@ fn read_file(file: &Table<'_>, path: &Path) -> (Description, Vec<Generate>) {
         objects.extend(read_object(&table, objects.len()));
         table.refuse_unknown_keys();
     }
-    let mut generated = Vec::new();
+    let (given, mut generated) = (patch, Vec::new());
     for table in file.tables("generate") {
         let table = table.with_unit(unit);
-        let setting = Setting { periodic: sides == Sides::Periodic, top: heights(&objects).map(|[_, top]| top) };
+        let top = heights(&objects).map(|[_, top]| top);
+        let setting = Setting { periodic: sides == Sides::Periodic, patch: given, top };
         if let Some(generate) = Generate::read(&table, setting) {
             patch = patch.or(generate.patch());
             objects.extend(generate.objects(&table).into_iter().flatten());

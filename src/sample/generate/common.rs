@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::super::description::{Body, Named, Object, Shape};
+use super::super::description::{Body, Named, Object, Patch, Shape};
 use super::super::problem::Place;
 use super::super::reader::Table;
 
@@ -11,6 +11,8 @@ use super::super::reader::Table;
 pub struct Setting {
     /// Whether the sample repeats.
     pub periodic: bool,
+    /// The footprint, if the file gives it.
+    pub patch: Option<Patch>,
     /// Height of the highest point of the bodies described before, µm; slabs and films do not count.
     pub top: Option<f64>,
 }

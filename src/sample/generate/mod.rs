@@ -19,7 +19,7 @@ use glam::DVec2;
 use super::description::{Object, Patch, Sides};
 use super::problem::suggestion;
 use super::reader::Table;
-use crate::units::significant;
+use crate::units::{show_length, significant};
 use bricks::Bricks;
 use common::Setting;
 use flakes::Flakes;
@@ -47,20 +47,43 @@ const KINDS: [&str; 5] = ["bricks", "packing", "web", "flakes", "mosaic"];
 impl Generate {
     /// Reads the table; `None` if something is wrong, which has been noted.
     pub fn read(t: &Table<'_>, setting: Setting) -> Option<Self> {
-        match t.text("kind").or_else(|| t.missing_if_absent("kind", "\"bricks\"")) {
-            Some("bricks") => return Bricks::read(t).map(Self::Bricks),
-            Some("packing") => return SpherePacking::read(t, setting).map(Self::Packing),
-            Some("flakes") => return Flakes::read(t, setting).map(Self::Flakes),
-            Some("mosaic") => return Mosaic::read(t, setting).map(Self::Mosaic),
-            Some("web") => return Web::read(t, setting).map(Self::Web),
-            Some(other) => {
-                let hint = suggestion(other, KINDS);
-                t.complain(format!("unknown kind `{other}`{hint}; known: {}", KINDS.join(", ")));
+        let made = match t.text("kind").or_else(|| t.missing_if_absent("kind", "\"bricks\"")) {
+            Some("bricks") => Bricks::read(t).map(Self::Bricks),
+            Some("packing") => SpherePacking::read(t, setting).map(Self::Packing),
+            Some("flakes") => Flakes::read(t, setting).map(Self::Flakes),
+            Some("mosaic") => Mosaic::read(t, setting).map(Self::Mosaic),
+            Some("web") => Web::read(t, setting).map(Self::Web),
+            unknown => {
+                if let Some(other) = unknown {
+                    let hint = suggestion(other, KINDS);
+                    t.complain(format!("unknown kind `{other}`{hint}; known: {}", KINDS.join(", ")));
+                }
+                t.accept_all_keys();
+                None
             }
-            None => {}
+        }?;
+        made.check_patch(setting).map_err(|why| t.complain(why)).ok()?;
+        Some(made)
+    }
+
+    /// Whether it fits into the footprint of the file, if it repeats with that.
+    fn check_patch(&self, setting: Setting) -> Result<(), String> {
+        let repeats = setting.periodic
+            && match self {
+                Self::Bricks(_) | Self::Mosaic(_) => true,
+                Self::Packing(p) => p.common.periodic,
+                Self::Web(w) => w.common.periodic,
+                Self::Flakes(f) => f.common.periodic,
+            };
+        let Some((file, own)) = setting.patch.zip(self.patch()).filter(|_| repeats) else { return Ok(()) };
+        if own.size.cmple(file.size * (1.0 + 1e-9)).all() {
+            return Ok(());
         }
-        t.accept_all_keys();
-        None
+        let [own, file] = [own, file].map(|p| p.size.to_array().map(show_length).join(" x "));
+        Err(format!(
+            "what is made here repeats every {own}, and the sample every {file}: leave the patch's size out, or give both \
+             the same"
+        ))
     }
 
     /// The footprint that goes with it, if the sample file gives none.

@@ -96,21 +96,25 @@ impl Web {
                 self.flatten
             ));
         }
-        let [length, radius] = [self.length, self.radius].map(show_length);
-        if self.common.periodic && self.length > MOST_PERIODS * self.size.min_element() {
-            return Err(format!(
-                "fibres of {length} in a patch of {}: at most {MOST_PERIODS} times its edges are taken; make `size` \
-                 larger or `length` shorter",
-                show(self.size)
-            ));
-        }
-        if self.common.periodic && 2.0 * self.radius > self.size.min_element() {
-            return Err(format!(
-                "fibres of radius {radius} are wider than the patch of {}; make `size` larger",
-                show(self.size)
-            ));
+        if self.common.periodic {
+            self.check_patch()?;
         }
         if self.is_oriented() { self.check_rows() } else { Ok(()) }
+    }
+
+    /// Whether the patch is so wide that few repetitions of a fibre meet another one.
+    fn check_patch(&self) -> Result<(), String> {
+        let ([length, radius], size) = ([self.length, self.radius].map(show_length), show(self.size));
+        if !self.is_oriented() && self.length > MOST_PERIODS * self.size.min_element() {
+            return Err(format!(
+                "fibres of {length} in a patch of {size}: at most {MOST_PERIODS} times its edges are taken; make `size` \
+                 larger or `length` shorter"
+            ));
+        }
+        if 2.0 * self.radius > self.size.min_element() {
+            return Err(format!("fibres of radius {radius} are wider than the patch of {size}; make `size` larger"));
+        }
+        Ok(())
     }
 
     fn check_rows(&self) -> Result<(), String> {

@@ -1,10 +1,13 @@
 //! Flakes of an effect pigment: thin prisms, such as mica with a skin of titania all round, scattered in a slab.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+mod tilt;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use rand::rngs::Xoshiro256PlusPlus;
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng};
+
+pub use self::tilt::Tilt;
+use self::tilt::read_tilt;
 
 use super::super::description::{Body, Fill, Named, Object, Shape};
 use super::super::fill::{named, read_fill};
@@ -14,17 +17,7 @@ use super::common::{Common, Setting};
 use super::insertion::{Balls, PackingError, Slab};
 use super::prism::{Form, Turned};
 use super::sizes::Sizes;
-use crate::units::{self, show_length, significant};
-
-/// How far flakes are tilted out of the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Tilt {
-    /// By this angle in the mean, radians: both components of the tilt are normal, so that it has the distribution of
-    /// Rayleigh.
-    Mean(f64),
-    /// At random: all directions of the normal alike.
-    Random,
-}
+use crate::units::{show_length, significant};
 
 /// Flakes at random places in a slab.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,9 +48,6 @@ const TRIES: usize = 20_000;
 
 /// Beyond this share of the volume flakes are not even tried.
 const DENSEST: f64 = 0.6;
-
-/// Largest mean tilt, of which the distribution of Rayleigh has nothing beyond a right angle.
-const LARGEST_TILT: f64 = 20.0;
 
 const ADVICE: &str = "wide flakes hinder one another; use fewer or smaller ones, less `tilt` or a thicker slab";
 
@@ -233,139 +223,5 @@ impl Flakes {
     }
 }
 
-impl Tilt {
-    /// A turn: about the normal by any angle, then tilted to any side.
-    fn draw(self, rng: &mut impl Rng) -> DMat3 {
-        let [spin, side]: [f64; 2] = [TAU * rng.random::<f64>(), TAU * rng.random::<f64>()];
-        let u: f64 = rng.random();
-        let tilt = match self {
-            Self::Mean(mean) => (mean / FRAC_PI_2.sqrt() * (-2.0 * (1.0 - u).ln()).sqrt()).min(FRAC_PI_2),
-            // A flake has no upper side.
-            Self::Random => u.acos(),
-        };
-        let axis = DVec3::new(-side.sin(), side.cos(), 0.0);
-        DMat3::from_axis_angle(axis, tilt) * DMat3::from_rotation_z(spin)
-    }
-}
-
-fn read_tilt(t: &Table<'_>) -> Option<Tilt> {
-    let Some(value) = t.get("tilt") else { return Some(Tilt::Mean(0.0)) };
-    let text = value.get_ref().as_str();
-    if text == Some("random") {
-        return Some(Tilt::Random);
-    }
-    let mean = match text {
-        Some(text) => units::angle(text).ok(),
-        None => Some(t.angle("tilt")?),
-    };
-    if let Some(mean) = mean.filter(|m| (0.0..=LARGEST_TILT.to_radians()).contains(m)) {
-        return Some(Tilt::Mean(mean));
-    }
-    let found = mean.map_or_else(
-        || format!("{:?}", text.unwrap_or_default()),
-        |m| format!("{} deg", significant(m.to_degrees(), 4)),
-    );
-    let message = format!(
-        "tilt = {found}: expected the mean angle out of the plane, from 0 to {LARGEST_TILT} such as \"5 deg\", or \"random\""
-    );
-    t.source().note(t.place_of("tilt").problem(message));
-    None
-}
-
 #[cfg(test)]
-mod tests {
-    use super::super::super::description::{Description, Patch};
-    use super::super::super::flat::Sample;
-    use super::super::common::heights;
-    use super::*;
-    use crate::light::{Coherence, Wavelengths};
-
-    fn flakes(tilt: Tilt, sides: usize) -> Flakes {
-        let count = if tilt == Tilt::Random { 20 } else { 40 };
-        Flakes {
-            slab: Slab { size: DVec3::new(30.0, 26.0, 13.0), periodic: true },
-            diameters: Sizes::spread(8.0, 0.2).draw(count, 2),
-            thickness: 0.4,
-            sides,
-            tilt,
-            fill: Fill::Diffuse(1.0),
-            core: Some((0.06, Named { name: "water".into(), place: Place::default() })),
-            common: Common { bottom: 2.0, seed: 8, ..Common::default() },
-        }
-    }
-
-    /// The search for overlaps of meshes knows nothing of separating axes.
-    #[test]
-    fn flakes_never_overlap() {
-        for (tilt, sides) in [(Tilt::Mean(0.0), 6), (Tilt::Mean(0.2), 6), (Tilt::Random, 5), (Tilt::Random, 3)] {
-            let flakes = flakes(tilt, sides);
-            let objects = flakes.objects(&Place::default()).unwrap();
-            let places = || flakes.places().unwrap().into_iter().map(|(_, p)| p).collect::<Vec<DVec3>>();
-            assert_eq!(places(), places(), "the same seed gives the same flakes");
-            let [low, high] = heights(&objects).unwrap();
-            assert!(low >= 2.0 - 1e-9 && high <= 15.0 + 1e-9, "{low} {high}");
-            assert_eq!(objects.len(), 2 * flakes.diameters.len());
-            let patch = Some(Patch { size: flakes.slab.size.truncate(), center: glam::DVec2::ZERO });
-            let description = Description { patch, objects, ..Description::default() };
-            let light = Wavelengths::from_nm(vec![500.0]).unwrap();
-            Sample::new(&description, &light, Coherence::Endless).unwrap();
-        }
-    }
-
-    /// Flakes that are apart have a plane between them, flakes with a common point have none.
-    #[test]
-    fn separating_axes_tell_what_a_raster_tells() {
-        let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
-        let mut counts = [0, 0];
-        for case in 0..400 {
-            let form = Form { sides: 3 + case % 5, radius: 3.0, half: 0.6 };
-            let [a, b] = [0, 1].map(|_| Turned::new(form, Tilt::Random.draw(&mut rng)));
-            let by = DVec3::new(rng.random(), rng.random(), rng.random()) * 4.0;
-            let inside = |t: &Turned, p: DVec3| {
-                let local = t.turn.transpose() * p;
-                let apothem = 3.0 * (0.5 * TAU / form.sides as f64).cos();
-                let side = |i: usize| TAU * (i as f64 + 0.5) / form.sides as f64;
-                local.z.abs() < 0.6
-                    && (0..form.sides).all(|i| local.x * side(i).cos() + local.y * side(i).sin() < apothem)
-            };
-            let steps = || (-15..=15).map(|i| f64::from(i) / 5.0);
-            let slices = || (-5..=5).map(|i| f64::from(i) * 0.119);
-            let common = steps().any(|x| {
-                steps().any(|y| {
-                    slices().any(|z| {
-                        let p = a.turn * DVec3::new(x, y, z);
-                        inside(&a, p) && inside(&b, p - by)
-                    })
-                })
-            });
-            let apart = a.is_apart(&b, by);
-            assert!(!(common && apart), "case {case}");
-            counts[usize::from(apart)] += 1;
-            // What a raster misses of an overlap is small.
-            assert!(apart || common || by.length() > 0.5, "case {case}");
-        }
-        assert!(counts[0] > 50 && counts[1] > 50, "{counts:?}");
-    }
-
-    /// 4000 flakes: 4.5 standard errors are a false alarm in 7 of a million tests.
-    #[test]
-    fn tilts_are_as_asked() {
-        let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
-        for (tilt, mean) in [(Tilt::Mean(0.1), 0.1), (Tilt::Mean(0.34), 0.34), (Tilt::Random, 1.0)] {
-            let all: Vec<f64> = (0..4000).map(|_| tilt.draw(&mut rng).z_axis.z.acos()).collect();
-            let found = all.iter().sum::<f64>() / 4000.0;
-            let variance = all.iter().map(|x| (x - found).powi(2)).sum::<f64>() / 4000.0;
-            assert!((found - mean).abs() < 4.5 * (variance / 4000.0).sqrt(), "{tilt:?}: {found}");
-        }
-    }
-
-    #[test]
-    fn the_skin_is_as_thick_everywhere() {
-        let (inside, skin) = (Form { sides: 6, radius: 5.0, half: 0.2 }, 0.06);
-        let outside = inside.within(skin);
-        let apothem = |f: Form| f.radius * (0.5 * TAU / 6.0).cos();
-        assert!((apothem(outside) - apothem(inside) - skin).abs() < 1e-12);
-        assert!((outside.half - inside.half - skin).abs() < 1e-12);
-        assert!((outside.mesh(DMat3::IDENTITY).volume() - outside.volume()).abs() < 1e-9);
-    }
-}
+mod tests;
