@@ -44,7 +44,7 @@ fn flat_film() -> Description {
 /// 1000 spheres in a periodic layer.
 fn packing(spheres: &str, matrix: &str, media: Vec<Medium>) -> Description {
     let packing = Packing { count: 1000, radius: 2.0, size: DVec3::new(48.0, 48.0, 48.0), periodic: true, seed: 1 };
-    let spheres = SpherePacking { packing, bottom: 0.0, fill: Fill::Medium(named(spheres)), priority: 0 };
+    let spheres = SpherePacking::equal(packing, Fill::Medium(named(spheres)));
     Description {
         above: named(matrix),
         below: named(matrix),

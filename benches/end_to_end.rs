@@ -28,7 +28,7 @@ fn spheres(matrix: f64) -> Description {
     let size = glam::DVec3::new(100.0, 100.0, 20.0);
     let packing = Packing { count: 14_000, radius: 1.0077, size, periodic: true, seed: 1 };
     let fill = Fill::Medium(named("glass"));
-    let spheres = SpherePacking { packing, bottom: 0.0, fill, priority: 0 };
+    let spheres = SpherePacking::equal(packing, fill);
     Description {
         above: named("matrix"),
         below: named("matrix"),

@@ -5,6 +5,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use gonio_embree::output::netcdf;
+use gonio_embree::sample::Description;
+use gonio_embree::sample::description::Sides;
+use gonio_embree::sample::generate::export;
+use gonio_embree::sample::obj::Options;
+use gonio_embree::units::LengthUnit;
 use serde_json::Value;
 
 const FEATHER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/feather.obj");
@@ -60,6 +65,63 @@ fn the_asset_is_what_the_generator_writes() {
     for name in ["feather.obj", "feather.mtl"] {
         let asset = Path::new(FEATHER).with_file_name(name);
         assert_eq!(fs::read(asset).unwrap(), desk.read(name), "assets/{name}: write it again with generate bricks");
+    }
+}
+
+/// The bodies of a sample file, as text without places.
+fn bodies(desk: &Desk, file: &str) -> String {
+    let description = Description::from_toml(&desk.0.join(file)).unwrap();
+    export::to_toml(&description.objects).unwrap()
+}
+
+#[test]
+fn generated_samples_are_the_same_in_every_form() {
+    let desk = Desk::new("generate");
+    let few = ["--count", "20", "--size", "9,9,9"];
+    for (kind, options) in [
+        ("bricks", &[][..]),
+        ("web", &["--deviation", "15", "--size", "300,300", "--length", "0.2mm", "--fibres", "3", "--flatten", "0.5"]),
+        ("packing", &[&["--radius", "0.8", "--spread", "0.2", "--open"], &few[..]].concat()),
+        ("mosaic", &["--layers", "2", "--shell", "30nm", "--core", "air"]),
+    ] {
+        let write = |file: &str, more: &[&str]| {
+            let output = desk.run(&[&["generate", kind, "-o", file], options, more].concat());
+            assert_eq!(code(&output), Some(0), "{kind}: {}", errors(&output));
+        };
+        write("table.toml", &[]);
+        write("all.toml", &["--explode"]);
+        // A core has no nesting in the file, but a higher priority.
+        let without_priority = |text: String| text.replace("priority = 1\n", "");
+        assert_eq!(
+            without_priority(bodies(&desk, "table.toml")),
+            without_priority(bodies(&desk, "all.toml")),
+            "{kind}"
+        );
+        write("mesh.obj", &["--fineness", "8"]);
+        let options = Options { unit: LengthUnit::Micrometre, sides: Sides::Periodic, patch: None, media: Vec::new() };
+        let mesh = Description::from_obj(&desk.0.join("mesh.obj"), &options).unwrap();
+        assert!(mesh.objects.len() >= Description::from_toml(&desk.0.join("all.toml")).unwrap().objects.len());
+    }
+}
+
+#[test]
+fn the_command_line_has_the_defaults_of_the_sample_file() {
+    let desk = Desk::new("defaults");
+    for (kind, options, table) in [
+        ("web", &[][..], "medium = \"fibre\""),
+        ("bricks", &[], ""),
+        (
+            "packing",
+            &["--radius", "1", "--count", "9", "--size", "9,9,9"],
+            "medium = \"pigment\"\nradius = 1\ncount = 9\nsize = [9, 9, 9]",
+        ),
+        ("mosaic", &["--spread", "0", "--gap", "0", "--spacing", "0"], "medium = \"keratin\"\nsize = [1.5, 1, 0.1]"),
+    ] {
+        let output = desk.run(&[&["generate", kind, "-o", "typed.toml"], options].concat());
+        assert_eq!(code(&output), Some(0), "{kind}: {}", errors(&output));
+        let media = "[media]\nfibre = 1.53\npigment = 1.59\nplatelet = 2\ncore = 1.5\n";
+        desk.write("short.toml", &format!("{media}[[generate]]\nkind = \"{kind}\"\n{table}\n"));
+        assert_eq!(bodies(&desk, "typed.toml"), bodies(&desk, "short.toml"), "{kind}");
     }
 }
 
@@ -192,6 +254,16 @@ fn wrong_usage_says_what_is_wrong_and_how_to_mend_it() {
         (&["explain", "--mesh", FEATHER, "--spread", "100"], "--spread 100: expected 0 to 90 degrees"),
         (&["generate", "bricks", "-o", "x.mtl"], "name the mesh FILE.obj"),
         (&["generate", "bricks", "-o", "x.obj", "--shell", "1,1,1"], "less than half"),
+        (&["generate", "web", "-o", "x.txt"], "name the mesh FILE.obj, or the sample FILE.toml"),
+        (&["generate", "web", "-o", "x.toml", "--radius=-1"], "radius = -1: expected a length greater than 0"),
+        (&["generate", "web", "-o", "x.toml", "--deviation", "15"], "`size` is missing"),
+        (&["generate", "web", "-o", "x.toml", "--medium", "wol"], "unknown medium `wol`"),
+        (&["generate", "packing", "-o", "x.toml", "--radius", "1", "--size", "9,9,9"], "expected either `count`"),
+        (
+            &["generate", "flakes", "-o", "x.toml", "--explode", "--count", "3", "--size", "90,90,9"],
+            "leave out --explode, or write FILE.obj",
+        ),
+        (&["generate", "mosaic", "-o", "x.obj", "--gap=-1nm"], "gap = -1 nm: expected 0 or more"),
     ] {
         let output = desk.run(args);
         assert_eq!(code(&output), Some(2), "{args:?}: {}", errors(&output));

@@ -285,7 +285,7 @@ fn morton(p: [f64; 3]) -> u64 {
 
 impl Fibre {
     /// The cylinder of given radius before flattening.
-    fn cylinder(&self, radius: f64) -> Cylinder {
+    pub(super) fn cylinder(&self, radius: f64) -> Cylinder {
         let axis = (self.to - self.from).normalize();
         let length = if self.caps { (self.to - self.from).length() } else { f64::INFINITY };
         let (u, ratio) = match self.flatten {

@@ -36,8 +36,17 @@ impl Source {
     /// When it cannot be read or is no text.
     pub fn read(path: &Path) -> Result<Self, Problem> {
         let text = text::read(path, MOST_BYTES).map_err(|e| Place::file(path).problem(e))?;
+        Ok(Self::new(path, text))
+    }
+
+    /// A text that stands in no file.
+    pub fn text(text: &str) -> Self {
+        Self::new(Path::new(""), text.into())
+    }
+
+    fn new(path: &Path, text: String) -> Self {
         let ends = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
-        Ok(Self { path: path.into(), text, ends, problems: RefCell::default(), named: RefCell::default() })
+        Self { path: path.into(), text, ends, problems: RefCell::default(), named: RefCell::default() }
     }
 
     /// Parses the file as TOML; what cannot be parsed is left out and noted.
@@ -256,6 +265,27 @@ impl<'a> Table<'a> {
         };
         let all: Vec<f64> = list.iter().filter_map(|v| self.as_length(key, v)).collect();
         all.try_into().ok()
+    }
+
+    /// Any number of lengths, µm.
+    pub fn list_of_lengths(&self, key: &'static str) -> Option<Vec<f64>> {
+        let value = self.get(key)?;
+        let Some(list) = value.get_ref().as_array() else {
+            self.wrong(key, value, "a list of lengths such as [0.3, 0.5]");
+            return None;
+        };
+        list.iter().map(|v| self.as_length(key, v)).collect()
+    }
+
+    /// Any number of plain numbers.
+    pub fn list_of_numbers(&self, key: &'static str) -> Option<Vec<f64>> {
+        let value = self.get(key)?;
+        let list = value.get_ref().as_array();
+        let numbers = list.and_then(|l| l.iter().map(|v| as_number(v.get_ref())).collect());
+        if numbers.is_none() {
+            self.wrong(key, value, "a list of numbers such as [0.8, 0.2]");
+        }
+        numbers
     }
 
     /// Three plain numbers, not all 0.

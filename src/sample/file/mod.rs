@@ -10,6 +10,7 @@ use glam::DVec2;
 use super::description::{Description, Named, Object, Patch, Sides};
 use super::fill::named;
 use super::generate::Generate;
+use super::generate::common::{Setting, heights};
 use super::problem::{Place, Problems};
 use super::reader::{Source, Table};
 use crate::units::LengthUnit;
@@ -22,23 +23,34 @@ impl Description {
     /// # Errors
     /// Everything that is wrong with it.
     pub fn from_toml(path: &Path) -> Result<Self, Problems> {
-        let source = Source::read(path)?;
-        let description = {
-            let root = source.parse();
-            // What follows from broken syntax is no help.
-            if !source.is_clean() {
-                return Err(source.into_problems());
-            }
-            let span = root.span();
-            let root = root.get_ref();
-            let file = Table::new(&source, root, &span, LengthUnit::Micrometre);
-            read_file(&file, path)
-        };
-        source.into_problems().or(description)
+        read_source(Source::read(path)?, path).map(|(description, _)| description)
+    }
+
+    /// Reads the text of a sample file that is not written yet, with what generates its bodies.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, without places.
+    pub fn from_text(text: &str) -> Result<(Self, Vec<Generate>), Problems> {
+        read_source(Source::text(text), Path::new(""))
     }
 }
 
-fn read_file(file: &Table<'_>, path: &Path) -> Description {
+fn read_source(source: Source, path: &Path) -> Result<(Description, Vec<Generate>), Problems> {
+    let all = {
+        let root = source.parse();
+        // What follows from broken syntax is no help.
+        if !source.is_clean() {
+            return Err(source.into_problems());
+        }
+        let span = root.span();
+        let root = root.get_ref();
+        let file = Table::new(&source, root, &span, LengthUnit::Micrometre);
+        read_file(&file, path)
+    };
+    source.into_problems().or(all)
+}
+
+fn read_file(file: &Table<'_>, path: &Path) -> (Description, Vec<Generate>) {
     let air = || Named { name: "air".into(), place: Place::file(path) };
     let header = file.table("sample");
     let unit = header.as_ref().and_then(read_unit).unwrap_or(LengthUnit::Micrometre);
@@ -56,11 +68,15 @@ fn read_file(file: &Table<'_>, path: &Path) -> Description {
         objects.extend(read_object(&table, objects.len()));
         table.refuse_unknown_keys();
     }
+    let (given, mut generated) = (patch, Vec::new());
     for table in file.tables("generate") {
         let table = table.with_unit(unit);
-        if let Some(generate) = Generate::read(&table) {
+        let top = heights(&objects).map(|[_, top]| top);
+        let setting = Setting { periodic: sides == Sides::Periodic, patch: given, top };
+        if let Some(generate) = Generate::read(&table, setting) {
             patch = patch.or(generate.patch());
             objects.extend(generate.objects(&table).into_iter().flatten());
+            generated.push(generate);
         }
         table.refuse_unknown_keys();
     }
@@ -69,7 +85,7 @@ fn read_file(file: &Table<'_>, path: &Path) -> Description {
         file.source().note(Place::file(path).problem("the sample is empty; add an [[object]] or a [[generate]]"));
     }
     let files = file.source().files();
-    Description { place: Place::file(path), files, above, below, patch, sides, media, objects }
+    (Description { place: Place::file(path), files, above, below, patch, sides, media, objects }, generated)
 }
 
 fn read_unit(header: &Table<'_>) -> Option<LengthUnit> {

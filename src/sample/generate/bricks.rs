@@ -1,15 +1,11 @@
 //! Interlocking bricks with cores: the platelets of a hummingbird's barbule (Schramm, Gondek and Meyer 1997,
 //! section 4).
 
-use std::fmt::Write as _;
-
 use glam::DVec3;
 
 use super::super::description::{Body, Fill, Named, Object, Shape};
-use super::super::mesh::CUBOID_FACES;
 use super::super::problem::Place;
 use super::super::reader::Table;
-use crate::units::significant;
 
 /// Layers of touching bricks on a periodic patch, alternate layers shifted by half a brick.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,47 +150,13 @@ impl Bricks {
             .collect()
     }
 
-    /// The bricks as an OBJ file in micrometres, which refers to the material library `library`.
-    pub fn to_obj(&self, library: &str) -> String {
-        let mut out = format!(
-            "# {} layers of bricks {} x {} x {} um, alternate layers shifted by half a brick; periodic patch {} x {} um\n\
-             mtllib {library}\n",
-            self.layers,
-            self.size.x,
-            self.size.y,
-            self.size.z,
-            significant(self.patch()[0], 9),
-            significant(self.patch()[1], 9)
-        );
-        let mut numbers = [0, 0];
-        for (i, part) in self.parts().iter().enumerate() {
-            let (what, medium) = if part.is_core { ("core", &self.core) } else { ("brick", &self.medium) };
-            let number = &mut numbers[usize::from(part.is_core)];
-            *number += 1;
-            let _ = writeln!(out, "o {what}_{number}\nusemtl {}", medium.name);
-            for corner in 0..8 {
-                let pick = |bit: usize| if corner >> bit & 1 == 0 { part.min[bit] } else { part.max[bit] };
-                let [x, y, z] = [0, 1, 2].map(|bit| decimal(pick(bit)));
-                let _ = writeln!(out, "v {x} {y} {z}");
-            }
-            for face in CUBOID_FACES {
-                let [a, b, c, d] = face.map(|v| 8 * i as u32 + v + 1);
-                let _ = writeln!(out, "f {a} {b} {c} {d}");
-            }
-        }
-        out
+    /// What it is, in a line.
+    pub fn title(&self) -> String {
+        format!(
+            "{} layers of bricks {} x {} x {} um, alternate layers shifted by half a brick",
+            self.layers, self.size.x, self.size.y, self.size.z
+        )
     }
-
-    /// The material library for [`Bricks::to_obj`].
-    pub fn to_mtl(&self, index: f64, core_index: f64) -> String {
-        format!("newmtl {}\nNi {index}\n\nnewmtl {}\nNi {core_index}\n", self.medium.name, self.core.name)
-    }
-}
-
-/// A coordinate in a text file: to a femtometre, so that sums of decimal lengths come out as people write them.
-fn decimal(um: f64) -> String {
-    let text = format!("{um:.9}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 /// The extent of a brick, or of a piece of one, along one axis.

@@ -1,17 +1,22 @@
-//! Random sequential insertion of equal spheres in a slab.
+//! Spheres in a slab by random sequential insertion, the largest first.
 
-use std::fmt;
+use std::f64::consts::PI;
 
 use glam::DVec3;
+use rand::rngs::Xoshiro256PlusPlus;
+use rand::{RngExt, SeedableRng};
 
 use super::super::description::{Body, Fill, Object, Shape};
 use super::super::fill::read_fill;
 use super::super::problem::Place;
 use super::super::reader::Table;
-use rand::rngs::Xoshiro256PlusPlus;
-use rand::{RngExt, SeedableRng};
+use super::common::{Common, Setting};
+pub use super::insertion::PackingError;
+use super::insertion::{Balls, Slab};
+use super::sizes::Sizes;
+use crate::units::significant;
 
-/// A packing to make.
+/// A packing of equal spheres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Packing {
     /// Number of spheres.
@@ -26,45 +31,21 @@ pub struct Packing {
     pub seed: u64,
 }
 
-/// Why a packing cannot be made.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PackingError {
-    /// A length is not positive, or a sphere does not fit.
-    DoesNotFit(String),
-    /// No place was found for the next sphere.
-    Jammed {
-        /// Spheres placed so far.
-        placed: usize,
-        /// Volume fraction reached.
-        fraction: f64,
-    },
-}
-
-impl fmt::Display for PackingError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::DoesNotFit(why) => f.write_str(why),
-            Self::Jammed { placed, fraction } => write!(
-                f,
-                "no room for sphere {} (volume fraction {fraction:.3}): random insertion ends near 0.38; \
-                 use fewer or smaller spheres",
-                placed + 1
-            ),
-        }
-    }
-}
-
 /// Largest number of spheres in one packing.
 const MOST_SPHERES: usize = 2_000_000;
 
 /// Beyond this share of the volume random insertion never gets: trying would only take time.
 const DENSEST: f64 = 0.4;
 
-/// Cells of the grid per sphere, at most.
-const CELLS_PER_SPHERE: f64 = 8.0;
+/// The same for spheres of many sizes: small ones find room between large ones.
+const DENSEST_UNEQUAL: f64 = 0.6;
 
 /// Tries per sphere before a packing counts as jammed.
 const TRIES: usize = 200_000;
+
+const ADVICE: &str = "random insertion ends near 0.38; use fewer or smaller spheres";
+const ADVICE_UNEQUAL: &str = "random insertion of equal spheres ends near 0.38, of a wide spread somewhat later; use \
+                              fewer or smaller spheres";
 
 impl Packing {
     /// The centres, in order of insertion.
@@ -72,87 +53,129 @@ impl Packing {
     /// # Errors
     /// When the spheres do not fit.
     pub fn centers(&self) -> Result<Vec<DVec3>, PackingError> {
-        self.check()?;
-        let mut grid = Grid::new(self);
-        let mut rng = Xoshiro256PlusPlus::seed_from_u64(self.seed);
-        let low = DVec3::new(-0.5 * self.size.x, -0.5 * self.size.y, self.radius);
-        let span = DVec3::new(self.size.x, self.size.y, self.size.z - 2.0 * self.radius);
-        let mut centers = Vec::with_capacity(self.count);
-        while centers.len() < self.count {
-            let free = (0..TRIES)
-                .map(|_| low + span * DVec3::new(rng.random(), rng.random(), rng.random()))
-                .find(|&p| grid.is_free(p, &centers));
-            let Some(p) = free else {
-                return Err(PackingError::Jammed { placed: centers.len(), fraction: self.fraction(centers.len()) });
-            };
-            grid.insert(p, centers.len());
-            centers.push(p);
-        }
-        Ok(centers)
+        check_count(self.count as f64)?;
+        insert(&Slab { size: self.size, periodic: self.periodic }, &vec![self.radius; self.count], self.seed)
     }
+}
 
-    /// Part of the slab's volume that `count` spheres fill.
-    pub fn fraction(&self, count: usize) -> f64 {
-        4.0 / 3.0 * std::f64::consts::PI * self.radius.powi(3) * count as f64 / self.size.element_product()
+/// Centres of spheres of these radii (µm, the largest first), in this order.
+///
+/// # Errors
+/// When the spheres do not fit.
+pub fn insert(slab: &Slab, radii: &[f64], seed: u64) -> Result<Vec<DVec3>, PackingError> {
+    check(slab, radii)?;
+    let mut balls = Balls::new(slab, radii);
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+    for &radius in radii {
+        let low = DVec3::new(-0.5 * slab.size.x, -0.5 * slab.size.y, radius);
+        let span = DVec3::new(slab.size.x, slab.size.y, slab.size.z - 2.0 * radius);
+        let meets = |p: DVec3, n: usize| slab.distance_squared(p, balls.placed()[n]) < (radius + radii[n]).powi(2);
+        let free = (0..TRIES)
+            .map(|_| low + span * DVec3::new(rng.random(), rng.random(), rng.random()))
+            .find(|&p| !balls.any_near(p, |n| meets(p, n)));
+        let Some(p) = free else {
+            let placed = balls.placed().len();
+            let advice = if is_equal(radii) { ADVICE } else { ADVICE_UNEQUAL };
+            return Err(PackingError::Jammed {
+                what: "sphere",
+                placed,
+                fraction: fraction(slab, &radii[..placed]),
+                advice,
+            });
+        };
+        balls.push(p);
     }
+    Ok(balls.placed().to_vec())
+}
 
-    fn check(&self) -> Result<(), PackingError> {
-        let fits = |what: &str, ok: bool| if ok { Ok(()) } else { Err(PackingError::DoesNotFit(what.into())) };
-        fits("the radius must be positive", self.radius > 0.0 && self.radius.is_finite())?;
-        fits("the slab's edges must be positive", self.size.min_element() > 0.0 && self.size.is_finite())?;
-        fits("a sphere is thicker than the slab", 2.0 * self.radius <= self.size.z)?;
-        let across = self.size.x.min(self.size.y);
-        fits("a sphere is wider than the repeated slab", !self.periodic || 2.0 * self.radius <= across)?;
-        if self.count > MOST_SPHERES {
-            let why = format!("{:.1e} spheres: at most {MOST_SPHERES} are taken", self.count as f64);
-            return Err(PackingError::DoesNotFit(why));
-        }
-        let share = self.fraction(self.count);
-        if share > DENSEST {
-            let why = format!(
-                "the spheres would fill {share:.3} of the slab: random insertion ends near 0.38; use fewer or smaller spheres"
-            );
-            return Err(PackingError::DoesNotFit(why));
-        }
-        Ok(())
+/// Part of the slab's volume that the spheres fill.
+pub fn fraction(slab: &Slab, radii: &[f64]) -> f64 {
+    4.0 / 3.0 * PI * radii.iter().map(|r| r.powi(3)).sum::<f64>() / slab.size.element_product()
+}
+
+fn is_equal(radii: &[f64]) -> bool {
+    radii.first() == radii.last()
+}
+
+fn check_count(count: f64) -> Result<(), PackingError> {
+    if count <= MOST_SPHERES as f64 {
+        return Ok(());
     }
+    Err(PackingError::DoesNotFit(format!("{count:.1e} spheres: at most {MOST_SPHERES} are taken")))
+}
+
+fn check(slab: &Slab, radii: &[f64]) -> Result<(), PackingError> {
+    let fits = |what: &str, ok: bool| if ok { Ok(()) } else { Err(PackingError::DoesNotFit(what.into())) };
+    let largest = radii.first().copied().unwrap_or(0.0);
+    let positive = |r: &f64| *r > 0.0 && r.is_finite();
+    fits("the radius must be positive", radii.iter().all(positive))?;
+    fits("the largest radius must come first", radii.is_sorted_by(|a, b| a >= b))?;
+    fits("the slab's edges must be positive", slab.size.min_element() > 0.0 && slab.size.is_finite())?;
+    fits("a sphere is thicker than the slab", 2.0 * largest <= slab.size.z)?;
+    let across = slab.size.x.min(slab.size.y);
+    fits("a sphere is wider than the repeated slab", !slab.periodic || 2.0 * largest <= across)?;
+    let share = fraction(slab, radii);
+    let (densest, advice) = if is_equal(radii) { (DENSEST, ADVICE) } else { (DENSEST_UNEQUAL, ADVICE_UNEQUAL) };
+    fits(&format!("the spheres would fill {share:.3} of the slab: {advice}"), share <= densest)
 }
 
 /// A packing with what its spheres are made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpherePacking {
-    /// Where the spheres lie, if the slab stood on z = 0.
-    pub packing: Packing,
-    /// Height of the slab's lower face, µm.
-    pub bottom: f64,
+    /// The slab.
+    pub slab: Slab,
+    /// Radii of the spheres, µm, the largest first.
+    pub radii: Vec<f64>,
     /// Material.
     pub fill: Fill,
-    /// Priority of the spheres.
-    pub priority: i32,
+    /// Seed, height and priority.
+    pub common: Common,
 }
 
 impl SpherePacking {
+    /// Of equal spheres, on z = 0.
+    pub fn equal(packing: Packing, fill: Fill) -> Self {
+        let Packing { count, radius, size, periodic, seed } = packing;
+        let common = Common { seed, periodic, ..Common::default() };
+        Self { slab: Slab { size, periodic }, radii: vec![radius; count], fill, common }
+    }
+
     /// Reads a `[[generate]]` table.
-    pub(super) fn read(t: &Table<'_>) -> Option<Self> {
-        let radius = t.positive_length("radius").or_else(|| t.missing_if_absent("radius", "0.5"));
+    pub(super) fn read(t: &Table<'_>, setting: Setting) -> Option<Self> {
+        let sizes = read_sizes(t);
         let size = t.point("size").or_else(|| t.missing_if_absent("size", "[20, 20, 10]"));
         let count = t.integer("count", 1..MOST_SPHERES as i64 + 1);
-        let fraction = t.number("fraction");
-        let seed = t.integer("seed", 0..i64::MAX).unwrap_or(1) as u64;
-        let periodic = t.boolean("periodic").unwrap_or(true);
-        let bottom = t.length("bottom").unwrap_or(0.0);
-        let priority = t.integer("priority", -1_000_000..1_000_001).unwrap_or(0) as i32;
+        let share = t.number("fraction");
+        let common = Common::read(t, setting);
         let fill = read_fill(t);
-        let mut packing = Packing { count: 0, radius: radius?, size: size?, periodic, seed };
-        packing.count = match (count, fraction) {
-            (Some(n), None) => n as usize,
-            (None, Some(f)) if f > 0.0 && f < 1.0 => (f / packing.fraction(1)).round() as usize,
+        let (sizes, size, common) = (sizes?, size?, common?);
+        let sphere = 4.0 / 3.0 * PI;
+        let radii = match (count, share) {
+            (Some(n), None) => sizes.draw(n as usize, common.seed),
+            (None, Some(f)) if f > 0.0 && f < 1.0 => {
+                let volume = f * size.element_product();
+                let expected = volume / (sphere * sizes.mean_power(3));
+                check_count(expected).map_err(|e| t.complain(e.to_string())).ok()?;
+                sizes.draw_up_to(volume / sphere, 3, common.seed)
+            }
             _ => {
                 t.complain("expected either `count`, such as 1000, or `fraction`, the share of the volume from 0 to 1");
                 return None;
             }
         };
-        Some(Self { packing, bottom, fill: fill?, priority })
+        Some(Self { slab: Slab { size, periodic: common.periodic }, radii, fill: fill?, common })
+    }
+
+    /// What it is, in a line.
+    pub fn title(&self) -> String {
+        let [smallest, largest] =
+            [self.radii.last(), self.radii.first()].map(|r| r.map_or_else(String::new, |r| significant(*r, 4)));
+        let share = fraction(&self.slab, &self.radii);
+        format!(
+            "{} spheres of radius {smallest} to {largest} um in a slab {} um high, {share:.4} of its volume",
+            self.radii.len(),
+            self.slab.size.z
+        )
     }
 
     /// The spheres.
@@ -160,101 +183,82 @@ impl SpherePacking {
     /// # Errors
     /// When they do not fit.
     pub fn objects(&self, place: &Place) -> Result<Vec<Object>, PackingError> {
-        let sphere = |(i, center): (usize, DVec3)| Object {
+        let sphere = |(i, (center, &radius)): (usize, (DVec3, &f64))| Object {
             name: format!("sphere {}", i + 1),
             body: Body::Solid(
-                Shape::Sphere { center: center + DVec3::Z * self.bottom, radius: self.packing.radius },
+                Shape::Sphere { center: center + DVec3::Z * self.common.bottom, radius },
                 self.fill.clone(),
             ),
-            priority: self.priority,
+            priority: self.common.priority,
             nesting: 0,
             place: place.clone(),
         };
-        Ok(self.packing.centers()?.into_iter().enumerate().map(sphere).collect())
+        let centers = insert(&self.slab, &self.radii, self.common.seed)?;
+        Ok(centers.into_iter().zip(&self.radii).enumerate().map(sphere).collect())
     }
 }
 
-/// Cells of at least one diameter: a sphere can only touch those in the 27 cells around it.
-struct Grid<'a> {
-    packing: &'a Packing,
-    cells: [usize; 3],
-    members: Vec<Vec<u32>>,
-}
-
-impl<'a> Grid<'a> {
-    fn new(packing: &'a Packing) -> Self {
-        let most = CELLS_PER_SPHERE * packing.count as f64 + 1.0;
-        let mut fitting = (packing.size / (2.0 * packing.radius)).floor().max(DVec3::ONE);
-        // In a dilute packing most cells would be empty.
-        while fitting.element_product() > most {
-            let longest = fitting.max_position();
-            fitting[longest] = (0.5 * fitting[longest]).floor();
-        }
-        let cells = fitting.to_array().map(|n| n as usize);
-        Self { packing, cells, members: vec![Vec::new(); cells.iter().product()] }
+/// `radius` with `spread`, or `radii` with `shares`.
+fn read_sizes(t: &Table<'_>) -> Option<Sizes> {
+    if t.get("radii").is_none() && t.get("shares").is_none() {
+        return Sizes::read(t, "radius", "0.5");
     }
-
-    fn cell(&self, p: DVec3) -> [usize; 3] {
-        let size = self.packing.size;
-        let from_corner = p + DVec3::new(0.5 * size.x, 0.5 * size.y, 0.0);
-        std::array::from_fn(|i| ((from_corner[i] / size[i] * self.cells[i] as f64) as usize).min(self.cells[i] - 1))
-    }
-
-    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
-        (z * self.cells[1] + y) * self.cells[0] + x
-    }
-
-    fn insert(&mut self, p: DVec3, number: usize) {
-        let at = self.index(self.cell(p));
-        self.members[at].push(number as u32);
-    }
-
-    fn is_free(&self, p: DVec3, centers: &[DVec3]) -> bool {
-        let cell = self.cell(p);
-        let closest = 4.0 * self.packing.radius.powi(2);
-        let close = |n: &u32| self.distance_squared(p, centers[*n as usize]) < closest;
-        !self.around(2, cell[2]).any(|z| {
-            self.around(1, cell[1])
-                .any(|y| self.around(0, cell[0]).any(|x| self.members[self.index([x, y, z])].iter().any(close)))
-        })
-    }
-
-    /// The cells next to `c` along axis `i`; in a narrow periodic slab some twice.
-    fn around(&self, i: usize, c: usize) -> impl Iterator<Item = usize> + use<> {
-        let n = self.cells[i];
-        let wraps = self.packing.periodic && i < 2;
-        (0..3).filter_map(move |k| match (c + k).checked_sub(1) {
-            Some(x) if x < n => Some(x),
-            Some(_) => wraps.then_some(0),
-            None => wraps.then_some(n - 1),
-        })
-    }
-
-    fn distance_squared(&self, a: DVec3, b: DVec3) -> f64 {
-        let mut d = (a - b).abs();
-        if self.packing.periodic {
-            d.x = d.x.min(self.packing.size.x - d.x);
-            d.y = d.y.min(self.packing.size.y - d.y);
-        }
-        d.length_squared()
-    }
+    let radii = t.list_of_lengths("radii").or_else(|| t.missing_if_absent("radii", "[0.3, 0.5]"));
+    let shares = t.list_of_numbers("shares").or_else(|| t.missing_if_absent("shares", "[0.8, 0.2]"));
+    let others = [t.get("radius"), t.get("spread")];
+    let (radii, shares) = (radii?, shares?);
+    let sum: f64 = shares.iter().sum();
+    let wrong = if others.iter().any(Option::is_some) {
+        "`radii` and `shares` say all about the sizes: leave out `radius` and `spread`".into()
+    } else if radii.len() != shares.len() || radii.is_empty() {
+        format!("{} radii with {} shares: give each radius its share of the spheres", radii.len(), shares.len())
+    } else if radii.iter().any(|r| *r <= 0.0) {
+        "radii: expected lengths greater than 0".into()
+    } else if shares.iter().any(|s| *s <= 0.0) || (sum - 1.0).abs() > 1e-6 {
+        format!("shares: expected numbers greater than 0 whose sum is 1; it is {}", significant(sum, 6))
+    } else {
+        return Some(Sizes::Shares(radii.into_iter().zip(shares).collect()));
+    };
+    t.complain(wrong);
+    None
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const SLAB: Slab = Slab { size: DVec3::new(10.0, 9.0, 8.0), periodic: true };
+
+    /// Compares all with all, by all ways across the seams.
+    fn assert_apart(slab: &Slab, centers: &[DVec3], radii: &[f64]) {
+        for (i, &a) in centers.iter().enumerate() {
+            assert!(a.z >= radii[i] && a.z <= slab.size.z - radii[i]);
+            for (j, &b) in centers.iter().enumerate() {
+                for (x, y) in (-1..=1).flat_map(|x| (-1..=1).map(move |y| (f64::from(x), f64::from(y)))) {
+                    let image = b + DVec3::new(x * slab.size.x, y * slab.size.y, 0.0);
+                    let itself = i == j && (x, y) == (0.0, 0.0);
+                    assert!(itself || a.distance(image) >= radii[i] + radii[j] - 1e-12, "spheres {i} and {j}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn spheres_keep_their_distance_across_the_seam() {
-        let packing = Packing { count: 400, radius: 0.5, size: DVec3::new(10.0, 9.0, 8.0), periodic: true, seed: 3 };
+        let packing = Packing { count: 400, radius: 0.5, size: SLAB.size, periodic: true, seed: 3 };
         let centers = packing.centers().unwrap();
         assert_eq!(centers, packing.centers().unwrap(), "the same seed gives the same packing");
-        let grid = Grid::new(&packing);
-        for (i, &a) in centers.iter().enumerate() {
-            assert!(a.z >= 0.5 && a.z <= 7.5);
-            for &b in &centers[..i] {
-                assert!(grid.distance_squared(a, b) >= 1.0);
-            }
+        assert_apart(&SLAB, &centers, &[0.5; 400]);
+    }
+
+    #[test]
+    fn spheres_of_many_sizes_keep_their_distance() {
+        let spread = Sizes::spread(0.3, 0.7).draw_up_to(0.3 * SLAB.size.element_product() / (4.0 / 3.0 * PI), 3, 5);
+        let shares = Sizes::Shares(vec![(1.9, 0.01), (0.4, 0.39), (0.07, 0.6)]).draw(400, 1);
+        for (radii, seed) in [(spread, 5), (shares, 6)] {
+            assert!(radii[0] > 6.0 * radii[radii.len() - 1]);
+            let centers = insert(&SLAB, &radii, seed).unwrap();
+            assert_apart(&SLAB, &centers, &radii);
         }
     }
 
@@ -262,6 +266,7 @@ mod tests {
     fn impossible_packings_are_refused() {
         let base = Packing { count: 1000, radius: 0.5, size: DVec3::splat(10.0), periodic: true, seed: 1 };
         assert!(matches!(Packing { radius: 6.0, ..base }.centers(), Err(PackingError::DoesNotFit(_))));
+        assert!(matches!(insert(&SLAB, &[0.1, 0.2], 1), Err(PackingError::DoesNotFit(_))));
         assert!(matches!(Packing { count: 2000, ..base }.centers(), Err(PackingError::DoesNotFit(_))));
         assert!(matches!(base.centers(), Err(PackingError::DoesNotFit(_))));
         assert!(matches!(Packing { count: 750, ..base }.centers(), Err(PackingError::Jammed { .. })));
