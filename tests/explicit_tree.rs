@@ -44,7 +44,7 @@ impl Stack<'_> {
 
 /// Every path of an amplitude above 1e-14: what is left out adds up to less than 1e-9.
 fn enumerate(sample: &Sample, light: &Light) -> Heard<Jones> {
-    let limits = Limits { splits: u32::MAX, faintest: 1e-28, ..Limits::default() };
+    let limits = Limits::whole_trees(1e-28);
     let mut plan = Plan::new(
         sample,
         light,

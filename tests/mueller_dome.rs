@@ -51,8 +51,7 @@ fn measured(from: (f64, f64)) -> Scattering {
     let light = light(&NM, &[from], Polarization::Mueller);
     let mut settings = settings(u64::from(TREES * BATCHES));
     (settings.seed, settings.dome_level) = (SEED, 1);
-    settings.options.limits =
-        Limits { depth: oracle::DEEPEST, splits: u32::MAX, faintest: FAINTEST, spread: 0.0, ..Limits::default() };
+    settings.options.limits = Limits { depth: oracle::DEEPEST, spread: 0.0, ..Limits::whole_trees(FAINTEST) };
     measure(&build().sample(&light), &light, &settings, |_| {}).unwrap().bsdf.incidences.swap_remove(0)
 }
 

@@ -147,7 +147,7 @@ fn compare<F: Field>(
 ) -> usize {
     let light: Light = light(&[550.0], &[from], polarization);
     let sample = scene.build.sample(&light);
-    let limits = Limits { depth: oracle::DEEPEST, splits: u32::MAX, faintest: FAINTEST, ..Limits::default() };
+    let limits = Limits { depth: oracle::DEEPEST, ..Limits::whole_trees(FAINTEST) };
     let mut plan = Plan::new(&sample, &light, &Options { limits, ..Options::default() });
     plan.marks = Marks::default();
     let heard = listen_to::<F>(&plan, &sample, &light, Backend::auto(), entries);

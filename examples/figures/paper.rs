@@ -96,7 +96,8 @@ pub fn webs(effort: Effort) -> Result<Figure> {
     let (seeds, trees) = effort.pick((4, 20_000), (20, 200_000));
     let mut csv = Table::new(&["web", "light", "angle_deg", "BRDF", "SE"]);
     let (mut panels, mut finds, mut signs) = (Vec::new(), Vec::new(), Vec::new());
-    for (name, file) in [("fully oriented", "web-oriented.toml"), ("15°", "web-15.toml"), ("random", "web-random.toml")] {
+    for (name, file) in [("fully oriented", "web-oriented.toml"), ("15°", "web-15.toml"), ("random", "web-random.toml")]
+    {
         let series = scans(file, 75.0, seeds, trees)?;
         note(&mut csv, name, &series);
         let [along, across] = [0, 1].map(|i| series[i].over(MIRROR.0, MIRROR.1));
@@ -145,20 +146,32 @@ pub fn coating(effort: Effort) -> Result<Figure> {
         rises.push((rise, mean(&along.over(MIRROR.0, MIRROR.1))));
         finds.push(format!(
             "{name}: BRDF around −75° {:.4} ± {:.4}, from {}° to {}° {:.4} ± {:.4}: a rise of {:.1} standard errors.",
-            mean(&back).value, mean(&back).se, BESIDE[0].0, BESIDE[0].1, mean(&beside).value, mean(&beside).se, z(rise)
+            mean(&back).value,
+            mean(&back).se,
+            BESIDE[0].0,
+            BESIDE[0].1,
+            mean(&beside).value,
+            mean(&beside).se,
+            z(rise)
         ));
         curves.push(along.curve(name));
     }
     let holds = z(rises[0].0) > 5.0 && z(rises[1].0) < 2.0;
     Ok(Figure {
         title: "a web with and without calcium carbonate".into(),
-        made_of: format!("`web-coated.toml`, `web-15.toml`, 75°, 670 nm, s-polarized; {seeds} webs each, {trees} ray trees on each."),
-        says: "The coated web has both a specular peak and a retro-reflectance peak; the same web without coating has no \
+        made_of: format!(
+            "`web-coated.toml`, `web-15.toml`, 75°, 670 nm, s-polarized; {seeds} webs each, {trees} ray trees on each."
+        ),
+        says:
+            "The coated web has both a specular peak and a retro-reflectance peak; the same web without coating has no \
                retro-reflectance peak."
-            .into(),
+                .into(),
         finds,
         verdict: if holds { Verdict::Agrees } else { Verdict::But("Not in all.".into()) },
-        svg: plot::panels("", &[panel("Sheets with and without calcium carbonate, light from 75° along the machine direction", curves)]),
+        svg: plot::panels(
+            "",
+            &[panel("Sheets with and without calcium carbonate, light from 75° along the machine direction", curves)],
+        ),
         csv,
     })
 }

@@ -13,6 +13,10 @@ pub struct Limits {
     pub walk: f64,
     /// At how many interfaces of a tree both branches are followed.
     pub splits: u32,
+    /// Of a beam that a curved face gives less than this share of the power, it is decided by lot whether the ray takes it:
+    /// what such faces reflect is spread over the dome, and following little of it through a thick sample takes as long as
+    /// following all the rest.
+    pub least_share: f64,
     /// A branch of less power than this is not followed after a split; its power counts as lost beyond the depth.
     pub faintest: f64,
     /// By how much the direction of a wavelength may differ from that of the ray it shares with others, rad; beyond,
@@ -26,10 +30,22 @@ impl Limits {
         let facets = 20.0 * f64::from(4u32.pow(dome_level.into()));
         0.125 * (4.0 * std::f64::consts::PI / facets).sqrt()
     }
+
+    /// Those of trees all of whose branches are followed, unless they have less power than `faintest`.
+    pub fn whole_trees(faintest: f64) -> Self {
+        Self { splits: u32::MAX, least_share: 0.0, faintest, ..Self::default() }
+    }
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { depth: 10_000, walk: 100.0, splits: 1, faintest: 0.0, spread: Self::spread_for(DOME_LEVEL) }
+        Self {
+            depth: 10_000,
+            walk: 100.0,
+            splits: 1,
+            least_share: 1e-2,
+            faintest: 0.0,
+            spread: Self::spread_for(DOME_LEVEL),
+        }
     }
 }

@@ -5,12 +5,9 @@ use super::{
 };
 use crate::optics::field::Passage;
 
-/// While a tree splits, both beams are followed unless one has less than this share of the power. At plane faces it is far
-/// below what can be measured: the reflection of an antireflection coating is a small share that people want to know well.
-/// What curved faces reflect is spread over the dome, and following little of it through a thick sample takes as long as
-/// following all the rest.
+/// While a tree splits, both beams of a plane face are followed unless one has less than this share of the power. Far below
+/// what can be measured: the reflection of an antireflection coating is a small share that people want to know well.
 const SPLIT_ABOVE: f64 = 1e-9;
-const SPLIT_ABOVE_CURVED: f64 = 1e-2;
 
 /// What an interface does to each lane.
 pub(super) enum Action<'a, P> {
@@ -50,8 +47,9 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
     ) {
         let slot = self.slot;
         let Flight { events, branch, .. } = self.stream.flights[slot];
-        let splits = events < self.kernel.plan.limits.splits;
-        let least = if self.is_plane() { SPLIT_ABOVE } else { SPLIT_ABOVE_CURVED };
+        let limits = &self.kernel.plan.limits;
+        let splits = events < limits.splits;
+        let least = if self.is_plane() { SPLIT_ABOVE } else { SPLIT_ABOVE.max(limits.least_share) };
         let mut beams = [None; 2];
         let mut lot = None;
         for word in 0..self.stream.words() {
