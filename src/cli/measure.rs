@@ -210,7 +210,11 @@ impl Options {
                 description.files.extend(self.medium.iter().filter_map(NamedMedium::file).map(Path::to_path_buf));
                 Ok(description)
             }
-            (None, Some(path)) => Description::from_toml(path).map_err(|e| wrong(&e)),
+            (None, Some(path)) => {
+                let description = Description::from_toml(path).map_err(|e| wrong(&e))?;
+                description.remarks().iter().for_each(|remark| tell(&format!("warning: {remark}")));
+                Ok(description)
+            }
             (None, None) => Err(Failure::Input("give --mesh FILE.obj or --sample FILE.toml".into())),
         }
     }
