@@ -112,7 +112,7 @@ fn turned_over(build: &Build) -> Build {
                 (*min, *max) = (a.min(b), a.max(b));
             }
             Shape::Mesh(mesh) => mesh.vertices.iter_mut().for_each(|v| *v = over(*v)),
-            Shape::Slab { .. } => panic!("no slabs here"),
+            Shape::Slab { .. } | Shape::Relief(_) => panic!("no slabs and no reliefs here"),
         }
     }
     Build(d)

@@ -78,7 +78,7 @@ fn flipped(build: &Build) -> Build {
             Shape::Cylinder(f) => (f.from, f.to) = (flip(f.from), flip(f.to)),
             Shape::Cuboid { min, max } => (min.z, max.z) = (-max.z, -min.z),
             Shape::Slab { top, bottom } => (*top, *bottom) = (-*bottom, -*top),
-            Shape::Mesh(_) => panic!("no meshes here"),
+            Shape::Mesh(_) | Shape::Relief(_) => panic!("no meshes here"),
         }
     }
     Build(d)

@@ -16,6 +16,8 @@ use super::{Failure, tell};
 pub enum Kind {
     /// Interlocking bricks with cores, as a mesh: the platelets of a hummingbird's feather
     Bricks(BricksOptions),
+    /// A random rough surface, as a file of heights
+    Rough(super::rough::Options),
 }
 
 /// Options of `generate bricks`.
@@ -75,6 +77,7 @@ impl FromStr for Triple {
 pub fn run(kind: &Kind) -> Result<(), Failure> {
     match kind {
         Kind::Bricks(options) => bricks(options),
+        Kind::Rough(options) => super::rough::run(options),
     }
 }
 

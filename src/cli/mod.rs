@@ -8,6 +8,7 @@ mod measure;
 mod medium;
 mod numbers;
 mod progress;
+mod rough;
 
 use std::fmt;
 use std::io::{self, Write as _};

@@ -4,10 +4,7 @@ use glam::DVec2;
 
 use super::super::description::Shape;
 use super::super::reader::{LARGEST, Table};
-use super::super::relief::{self, HeightField, Relief};
-
-/// The floor lies at least so deep below the lowest height if the file does not say, µm: metals are opaque then.
-const DEPTH: f64 = 1.0;
+use super::super::relief::{self, DEPTH, HeightField, Relief};
 
 pub(super) fn read_height_field(t: &Table<'_>) -> Option<Shape> {
     let file = t.text("file").or_else(|| t.missing_if_absent("file", "\"surface.gsf\""));

@@ -4,6 +4,7 @@
 
 pub mod bricks;
 pub mod packing;
+pub mod rough;
 
 use glam::DVec2;
 
@@ -12,6 +13,7 @@ use super::problem::suggestion;
 use super::reader::Table;
 use bricks::Bricks;
 use packing::SpherePacking;
+use rough::RoughSurface;
 
 /// A `[[generate]]` table.
 #[derive(Clone, Debug)]
@@ -20,9 +22,11 @@ pub enum Generate {
     Bricks(Bricks),
     /// Spheres by random insertion.
     Packing(SpherePacking),
+    /// A random rough surface.
+    Rough(RoughSurface),
 }
 
-const KINDS: [&str; 2] = ["bricks", "packing"];
+const KINDS: [&str; 3] = ["bricks", "packing", "rough"];
 
 impl Generate {
     /// Reads the table; `None` if something is wrong, which has been noted.
@@ -30,6 +34,7 @@ impl Generate {
         match t.text("kind").or_else(|| t.missing_if_absent("kind", "\"bricks\"")) {
             Some("bricks") => return Bricks::read(t).map(Self::Bricks),
             Some("packing") => return SpherePacking::read(t).map(Self::Packing),
+            Some("rough") => return RoughSurface::read(t).map(Self::Rough),
             Some(other) => {
                 let hint = suggestion(other, KINDS);
                 t.complain(format!("unknown kind `{other}`{hint}; known: {}", KINDS.join(", ")));
@@ -45,6 +50,7 @@ impl Generate {
         let size = match self {
             Self::Bricks(b) => DVec2::from_array(b.patch()),
             Self::Packing(p) => p.packing.size.truncate(),
+            Self::Rough(r) => r.rough.size,
         };
         Some(Patch { size, center: DVec2::ZERO })
     }
@@ -54,6 +60,7 @@ impl Generate {
         match self {
             Self::Bricks(b) => Some(b.objects(t.place())),
             Self::Packing(p) => p.objects(t.place()).map_err(|e| t.complain(e.to_string())).ok(),
+            Self::Rough(r) => r.objects(t.place()).map_err(|e| t.complain(e)).ok(),
         }
     }
 }

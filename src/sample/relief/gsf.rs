@@ -3,10 +3,23 @@
 
 use glam::DVec2;
 
-use super::{Flaw, Raw, as_text, check_count, check_size, flaw, flaw_at};
+use super::{Flaw, HeightField, Raw, as_text, check_count, check_size, flaw, flaw_at};
 use crate::units::LengthUnit;
 
 pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
+
+impl HeightField {
+    /// The field as such a file, heights in metres to single precision.
+    pub fn to_gsf(&self) -> Vec<u8> {
+        let [x, y] = (1e-6 * self.period()).to_array();
+        let (columns, rows) = (self.columns, self.rows);
+        let sizes = format!("XRes = {columns}\nYRes = {rows}\nXReal = {x:e}\nYReal = {y:e}\n");
+        let mut out = [MAGIC, sizes.as_bytes(), b"XYUnits = m\nZUnits = m\n"].concat();
+        out.resize(out.len() + 4 - out.len() % 4, 0);
+        out.extend(self.heights.iter().flat_map(|z| ((1e-6 * z) as f32).to_le_bytes()));
+        out
+    }
+}
 
 /// A value of the header with its line.
 type Entry<'a> = (usize, &'a str);

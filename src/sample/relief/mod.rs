@@ -30,6 +30,9 @@ pub(super) use surface::Wrap;
 /// Largest number of heights taken: some millions of triangles.
 pub const MOST_HEIGHTS: usize = 1_500_000;
 
+/// The floor lies at least so deep below the lowest height unless another depth is given, µm: metals are opaque then.
+pub const DEPTH: f64 = 1.0;
+
 /// Largest file taken, bytes.
 const MOST_BYTES: u64 = 256 << 20;
 

@@ -53,6 +53,14 @@ fn damaged_files_never_panic() {
     }
 }
 
+#[test]
+fn what_is_written_can_be_read() {
+    let field = hills().field;
+    let read = parse(&field.to_gsf(), LengthUnit::Millimetre).unwrap().into_field(None, None, None).unwrap();
+    assert!(read.pixel.distance(field.pixel) < 1e-12);
+    assert!(read.heights.iter().zip(&field.heights).all(|(a, b)| (a - b).abs() < 1e-6 * b.max(1.0)));
+}
+
 fn hills() -> Relief {
     let heights = (0..12).map(|i| f64::from(i * 7 % 12)).collect();
     let field = HeightField { columns: 4, rows: 3, pixel: DVec2::new(0.5, 0.25), heights };
