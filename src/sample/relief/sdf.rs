@@ -3,16 +3,16 @@
 
 use glam::DVec2;
 
-use super::{Flaw, Raw, as_text, check_count, check_size, flaw, flaw_at};
+use super::{Flaw, Raw, check_count, check_size, flaw, flaw_at};
 
 const METRE: f64 = 1e6;
 
 pub(super) fn is_text(bytes: &[u8]) -> bool {
-    [&b"aISO-1.0"[..], b"aISO-2.0", b"aBCR-1.0"].iter().any(|magic| bytes.starts_with(magic))
+    [&b"aISO-1.0"[..], b"aISO-2.0", b"aBCR-0.0", b"aBCR-1.0"].iter().any(|magic| bytes.starts_with(magic))
 }
 
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
-    [&b"bISO-1.0"[..], b"bISO-2.0", b"bBCR-1.0"].iter().any(|magic| bytes.starts_with(magic))
+    [&b"bISO-1.0"[..], b"bISO-2.0", b"bBCR-0.0", b"bBCR-1.0"].iter().any(|magic| bytes.starts_with(magic))
 }
 
 /// What both forms say before the heights.
@@ -48,14 +48,15 @@ impl Header {
 
 /// Lines `Key = value`, a line `*`, the heights, a line `*`, and a trailer, which may be missing.
 pub(super) fn parse_text(bytes: &[u8]) -> Result<Raw, Flaw> {
-    let text = as_text(bytes)?;
+    // Names and comments may be in any alphabet.
+    let text = String::from_utf8_lossy(bytes);
     let mut entries: Vec<(usize, &str, &str)> = Vec::new();
     let mut lines = text.lines().enumerate().skip(1).map(|(i, l)| (i + 1, l.trim()));
     loop {
         match lines.next() {
             None => return flaw("the header has no end: expected a line `*` before the heights; the file is cut off"),
             Some((_, "*")) => break,
-            Some((_, "")) => {}
+            Some((_, line)) if line.is_empty() || line.starts_with(';') => {}
             Some((number, line)) => match line.split_once('=') {
                 Some((key, value)) => entries.push((number, key.trim(), value.trim())),
                 None => {
@@ -124,10 +125,13 @@ pub(super) fn parse_binary(bytes: &[u8]) -> Result<Raw, Flaw> {
         return flaw(format!("DataType = {kind}: expected 0 to 7"));
     };
     let wanted = size * header.columns * header.rows;
-    let Some(data) = rest.0.get(..wanted) else {
+    // Some microscopes write two numbers more before the heights than version 1.0 has.
+    let more = bytes.starts_with(b"bISO-1.0") && rest.0.len() == wanted + 8;
+    let rest = &rest.0[if more { 8 } else { 0 }..];
+    let Some(data) = rest.get(..wanted) else {
         return flaw(format!(
             "{} heights: expected {} x {} = {}; the file is cut off or damaged",
-            rest.0.len() / size,
+            rest.len() / size,
             header.columns,
             header.rows,
             header.columns * header.rows
@@ -137,15 +141,15 @@ pub(super) fn parse_binary(bytes: &[u8]) -> Result<Raw, Flaw> {
     header.raw(values)
 }
 
-/// One height; NaN where the standard says there is none: at the smallest value of signed types.
+/// One height; NaN where there is none: at the smallest value of signed types, the largest of unsigned ones.
 fn height(kind: u8, bytes: &[u8]) -> f64 {
     let mut b = [0; 8];
     b[..bytes.len()].copy_from_slice(bytes);
     let (two, four) = ([b[0], b[1]], [b[0], b[1], b[2], b[3]]);
     let (value, bad) = match kind {
         0 => (f64::from(b[0]), f64::NAN),
-        1 => (f64::from(u16::from_le_bytes(two)), f64::NAN),
-        2 => (f64::from(u32::from_le_bytes(four)), f64::NAN),
+        1 => (f64::from(u16::from_le_bytes(two)), f64::from(u16::MAX)),
+        2 => (f64::from(u32::from_le_bytes(four)), f64::from(u32::MAX)),
         3 => (f64::from(f32::from_le_bytes(four)), f64::from(f32::MIN)),
         4 => (f64::from(b[0] as i8), f64::from(i8::MIN)),
         5 => (f64::from(i16::from_le_bytes(two)), f64::from(i16::MIN)),

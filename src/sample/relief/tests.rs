@@ -53,6 +53,25 @@ fn damaged_files_never_panic() {
     }
 }
 
+/// Deviations of surface data files that are about: two numbers more in the header, marks of gaps, comments.
+#[test]
+fn surface_data_files_of_other_makers_are_read() {
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/samples/good");
+    let plain = fs::read(dir.join("_hills_binary.sdf")).unwrap();
+    let heights = parse(&plain, LengthUnit::Micrometre).unwrap();
+    let longer = [&plain[..81], &[5, 0, 0, 0, 1, 0, 0, 0], &plain[81..]].concat();
+    assert_eq!(parse(&longer, LengthUnit::Micrometre).unwrap(), heights);
+    let mut unsigned = [b"bBCR-1.0", &plain[8..]].concat();
+    unsigned[79] = 1;
+    unsigned[81..83].fill(0xff);
+    let gap = parse(&unsigned, LengthUnit::Micrometre).unwrap();
+    assert!(gap.values[0].is_nan());
+    assert_eq!(gap.values[1..], heights.values[1..]);
+    let text = fs::read_to_string(dir.join("_hills.sdf")).unwrap();
+    let latin = text.replacen("\r\n", "\r\n; 1 \u{fffd}m\r\n", 1).into_bytes();
+    assert_eq!(parse(&latin, LengthUnit::Micrometre).unwrap(), parse(text.as_bytes(), LengthUnit::Micrometre).unwrap());
+}
+
 #[test]
 fn what_is_written_can_be_read() {
     let field = hills().field;
