@@ -43,6 +43,7 @@ fn mapped(mut d: Description, point: impl Fn(DVec3) -> DVec3, scale: f64) -> Bui
                 Shape::Slab { top, bottom } => {
                     (*top, *bottom) = (point(DVec3::Z * *top).z, point(DVec3::Z * *bottom).z)
                 }
+                Shape::Relief(_) => unreachable!("no relief is among the samples"),
                 Shape::Mesh(mesh) => mesh.vertices.iter_mut().for_each(|v| *v = point(*v)),
                 Shape::Cylinder(f) => {
                     (f.from, f.to, f.radius) = (point(f.from), point(f.to), f.radius * scale);

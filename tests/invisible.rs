@@ -5,7 +5,7 @@
 mod common;
 
 use common::Mesh;
-use common::build::{Build, ball, cuboid, fibre, light, mesh, mesh_box};
+use common::build::{Build, ball, cuboid, fibre, light, mesh, mesh_box, relief, rough};
 use common::listen::{Leaving, entries, listen};
 use glam::DVec3;
 use gonio_embree::intersect::choose::Backend;
@@ -46,6 +46,7 @@ fn samples(n: [f64; 3]) -> Vec<(&'static str, Build)> {
                 .put(mesh_box([2.0, 2.0, 0.0], [5.0, 4.5, 3.0]), n[1])
                 .hollow(fibre([-5.0, -3.0, 1.0], [5.0, -3.0, 4.0], 1.0), n[2], 0.6, n[0]),
         ),
+        ("relief", around().put(relief([12, 8], [1.0, 1.25], -1.0, rough(2.0)), n[1])),
         ("bricks", Build::within(N).bricks(&Bricks::default(), n[1], n[2])),
     ]
 }

@@ -14,9 +14,9 @@ use gonio_embree::sample::description::Sides;
 use gonio_embree::sample::{Description, Sample, obj};
 use gonio_embree::units::{self, LengthUnit};
 
-use super::Failure;
 use super::medium::NamedMedium;
 use super::numbers::{Count, Values};
+use super::{Failure, tell};
 
 /// What is given if the user gives nothing.
 const INCIDENT: &str = "0";
@@ -172,7 +172,11 @@ impl Setup {
                 description.files.extend(self.medium.iter().filter_map(NamedMedium::file).map(Path::to_path_buf));
                 Ok(description)
             }
-            (None, Some(path)) => Description::from_toml(path).map_err(|e| wrong(&e)),
+            (None, Some(path)) => {
+                let description = Description::from_toml(path).map_err(|e| wrong(&e))?;
+                description.remarks().iter().for_each(|remark| tell(&format!("warning: {remark}")));
+                Ok(description)
+            }
             (None, None) => Err(Failure::Input("give --mesh FILE.obj or --sample FILE.toml".into())),
         }
     }

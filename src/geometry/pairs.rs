@@ -1,4 +1,4 @@
-//! Which of many boxes overlap: a uniform grid.
+//! Which of many boxes overlap: uniform grids.
 
 use glam::{DVec3, I64Vec3};
 
@@ -7,9 +7,17 @@ use super::Aabb;
 /// Boxes that reach over more cells than this are compared with all others instead.
 const MANY_CELLS: i64 = 64;
 
-/// A grid over boxes.
+/// So few boxes are compared with all others sooner than sorted into coarser grids.
+const FEW_BOXES: usize = 4096;
+
+/// Grids over boxes, each coarser than the one before.
 pub struct Pairs<'a> {
     boxes: &'a [Aabb],
+    grids: Vec<Grid>,
+}
+
+/// Cells of one size.
+struct Grid {
     size: DVec3,
     /// Boxes by bucket of cells: those of bucket `b` are at `starts[b]..starts[b + 1]`.
     starts: Vec<u32>,
@@ -18,14 +26,65 @@ pub struct Pairs<'a> {
 }
 
 impl<'a> Pairs<'a> {
-    /// Sorts boxes into cells of about their median size. Empty boxes are left out.
+    /// Coarser grids than this are of no use.
+    const MOST_GRIDS: usize = 4;
+
+    /// Sorts boxes into cells of about their median size and, if they are many, into coarser ones, for who looks for all
+    /// boxes in a large one. Empty boxes are left out.
     pub fn new(boxes: &'a [Aabb]) -> Self {
         let mut edges: Vec<f64> =
             boxes.iter().map(|b| b.size().max_element()).filter(|e| e.is_finite() && *e > 0.0).collect();
         edges.sort_by(f64::total_cmp);
-        let size = DVec3::splat(edges.get(edges.len() / 2).copied().unwrap_or(1.0));
+        let finest = edges.get(edges.len() / 2).copied().unwrap_or(1.0);
+        let count = if boxes.len() > FEW_BOXES { Self::MOST_GRIDS } else { 1 };
+        let size = |level: usize| DVec3::splat(finest * 4.0_f64.powi(level as i32));
+        Self { boxes, grids: (0..count).map(|level| Grid::new(boxes, size(level))).collect() }
+    }
+
+    /// Calls `visit` for every box that overlaps `b` (touching counts), possibly more than once.
+    pub fn overlapping(&self, b: &Aabb, mut visit: impl FnMut(usize)) {
+        if b.is_empty() {
+            return;
+        }
+        let mut offer = |i: u32| {
+            if self.boxes[i as usize].overlaps(*b) {
+                visit(i as usize);
+            }
+        };
+        match self.grids.iter().find_map(|grid| Some((grid, grid.range(b)?))) {
+            Some((grid, cells)) => {
+                for cell in cells {
+                    let b = grid.bucket(cell);
+                    let inside = grid.starts[b] as usize..grid.starts[b + 1] as usize;
+                    grid.sorted[inside].iter().copied().for_each(&mut offer);
+                }
+                grid.large.iter().copied().for_each(offer);
+            }
+            None => (0..self.boxes.len() as u32).for_each(offer),
+        }
+    }
+
+    /// Every pair of different boxes that overlap, once, the smaller number first.
+    pub fn all(&self) -> Vec<(usize, usize)> {
+        let mut pairs = Vec::new();
+        for (i, b) in self.boxes.iter().enumerate() {
+            let first = pairs.len();
+            self.overlapping(b, |j| {
+                if j > i {
+                    pairs.push((i, j));
+                }
+            });
+            pairs[first..].sort_unstable();
+        }
+        pairs.dedup();
+        pairs
+    }
+}
+
+impl Grid {
+    fn new(boxes: &[Aabb], size: DVec3) -> Self {
         let buckets = (2 * boxes.len()).next_power_of_two();
-        let mut grid = Self { boxes, size, starts: vec![0; buckets + 1], sorted: Vec::new(), large: Vec::new() };
+        let mut grid = Self { size, starts: vec![0; buckets + 1], sorted: Vec::new(), large: Vec::new() };
         let mut placed: Vec<(u32, u32)> = Vec::with_capacity(8 * boxes.len());
         for (i, b) in boxes.iter().enumerate() {
             match grid.range(b) {
@@ -74,45 +133,6 @@ impl<'a> Pairs<'a> {
             (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| I64Vec3::new(x, y, z)))
         }))
     }
-
-    /// Calls `visit` for every box that overlaps `b` (touching counts), possibly more than once.
-    pub fn overlapping(&self, b: &Aabb, mut visit: impl FnMut(usize)) {
-        if b.is_empty() {
-            return;
-        }
-        let mut offer = |i: u32| {
-            if self.boxes[i as usize].overlaps(*b) {
-                visit(i as usize);
-            }
-        };
-        match self.range(b) {
-            Some(cells) => {
-                for cell in cells {
-                    let b = self.bucket(cell);
-                    let inside = self.starts[b] as usize..self.starts[b + 1] as usize;
-                    self.sorted[inside].iter().copied().for_each(&mut offer);
-                }
-                self.large.iter().copied().for_each(offer);
-            }
-            None => (0..self.boxes.len() as u32).for_each(offer),
-        }
-    }
-
-    /// Every pair of different boxes that overlap, once, the smaller number first.
-    pub fn all(&self) -> Vec<(usize, usize)> {
-        let mut pairs = Vec::new();
-        for (i, b) in self.boxes.iter().enumerate() {
-            let first = pairs.len();
-            self.overlapping(b, |j| {
-                if j > i {
-                    pairs.push((i, j));
-                }
-            });
-            pairs[first..].sort_unstable();
-        }
-        pairs.dedup();
-        pairs
-    }
 }
 
 #[cfg(test)]
@@ -142,5 +162,23 @@ mod tests {
             }
         }
         assert!(Pairs::new(&boxes).all() == expected);
+    }
+
+    #[test]
+    fn a_large_box_finds_all_small_ones_in_it() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(2);
+        let mut random = |scale: f64| DVec3::from_array(std::array::from_fn(|_| scale * rng.random::<f64>()));
+        let around = |p: DVec3, half: DVec3| Aabb { min: p - half, max: p + half };
+        let boxes: Vec<Aabb> = (0..2 * FEW_BOXES).map(|_| around(random(100.0), random(0.5))).collect();
+        let pairs = Pairs::new(&boxes);
+        for edge in [0.1, 1.0, 5.0, 20.0, 80.0, 1000.0] {
+            let b = around(random(100.0), random(edge));
+            let mut found = Vec::new();
+            pairs.overlapping(&b, |i| found.push(i));
+            found.sort_unstable();
+            found.dedup();
+            let expected: Vec<usize> = (0..boxes.len()).filter(|&i| boxes[i].overlaps(b)).collect();
+            assert_eq!(found, expected, "{edge}");
+        }
     }
 }

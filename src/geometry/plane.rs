@@ -1,8 +1,7 @@
 //! Planes, and which faces share one.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use super::Ray;
 
@@ -46,12 +45,15 @@ impl Plane {
 #[derive(Default)]
 pub(super) struct PlaneSet {
     planes: Vec<Plane>,
-    cells: HashMap<[i64; 4], Vec<u32>>,
+    cells: FxHashMap<[i64; 4], Vec<u32>>,
 }
 
 impl PlaneSet {
     /// Cell sizes of the look-up: direction, and offset in µm.
-    const CELL: [f64; 4] = [1e-4, 1e-4, 1e-4, 1e-2];
+    const CELL: [f64; 4] = [1e-5, 1e-5, 1e-5, 1e-3];
+
+    /// Planes of a cell that are compared, the latest: a gentle relief has thousands that are nearly, not quite, one.
+    const MOST: usize = 256;
 
     /// The index of the plane through `points` with unit normal `normal`, and whether `normal` points against
     /// the normal of the stored plane.
@@ -89,7 +91,8 @@ impl PlaneSet {
                 continue;
             }
             seen.push(key);
-            let found = self.cells.get(&key).into_iter().flatten().copied().find(|&i| {
+            let all = self.cells.get(&key).map_or(&[][..], Vec::as_slice);
+            let found = all[all.len().saturating_sub(Self::MOST)..].iter().copied().find(|&i| {
                 let other = &self.planes[i as usize];
                 other.is_axis_aligned() == plane.is_axis_aligned()
                     && other.normal.dot(plane.normal) > 0.999_999

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use glam::{DVec2, DVec3};
 
 use super::mesh::Mesh;
-use super::problem::Place;
+use super::problem::{Place, Problem};
+use super::relief::Relief;
 use crate::media::Dispersion;
 use crate::text::words;
 
@@ -133,6 +134,8 @@ pub enum Shape {
     },
     /// A closed (or, if opaque, open) surface of triangles.
     Mesh(Mesh),
+    /// A body under measured heights.
+    Relief(Relief),
     /// An infinite plane-parallel body.
     Slab {
         /// Upper face, µm.
@@ -157,6 +160,29 @@ pub struct Fibre {
     pub flatten: Option<(DVec3, f64)>,
     /// Whether it ends at its ends, or goes on for ever.
     pub caps: bool,
+}
+
+impl Description {
+    /// The footprint that is given or, where reliefs repeat, that of the first of them.
+    pub fn footprint(&self) -> Option<Patch> {
+        let first = self.reliefs().next().filter(|_| self.sides == Sides::Periodic);
+        self.patch.or_else(|| first.map(|(_, r)| Patch { size: r.field.period(), center: r.center }))
+    }
+
+    /// All bodies with measured heights.
+    pub(super) fn reliefs(&self) -> impl Iterator<Item = (&Object, &Relief)> {
+        self.objects.iter().filter_map(|object| match &object.body {
+            Body::Solid(Shape::Relief(relief), _) => Some((object, relief)),
+            _ => None,
+        })
+    }
+
+    /// What is no error, but may not be what was meant.
+    pub fn remarks(&self) -> Vec<Problem> {
+        let reliefs = self.reliefs().filter(|_| self.sides == Sides::Periodic);
+        let seams = reliefs.filter_map(|(object, relief)| Some((object, relief.field.seams()?)));
+        seams.map(|(object, seam)| object.place.problem(format!("`{}`: {seam}", object.name))).collect()
+    }
 }
 
 impl Default for Description {

@@ -50,7 +50,7 @@ impl Sample {
         let below = media.resolve(&description.below, &mut problems);
         let mut parts = Parts::default();
         for object in &description.objects {
-            parts.add(object, &mut media, &mut problems);
+            parts.add(object, description, &mut media, &mut problems);
         }
         parts.add_half_space(description, above, below, &mut problems);
         limits::sizes(&parts.shapes, &parts.solids).into_iter().for_each(|p| problems.push(p));

@@ -77,7 +77,9 @@ fn reach(base: &Base) -> f64 {
     let ends = |ends: &[f64]| ends.iter().filter(|x| !x.is_infinite()).fold(0.0, farther);
     match base {
         // A mesh has no endless extents: what is infinite there is an overflow.
-        Base::Triangles(mesh) => mesh.vertices.iter().flat_map(|v| v.to_array()).fold(0.0, |far, x| farther(far, &x)),
+        Base::Triangles(mesh) | Base::Relief(mesh, _) => {
+            mesh.vertices.iter().flat_map(|v| v.to_array()).fold(0.0, |far, x| farther(far, &x))
+        }
         Base::Shape(Shape::Layer(l)) => ends(&[l.bottom, l.top]),
         Base::Shape(_) => base.bounds().map_or(0.0, |b| ends(&[b.min, b.max].map(|p| p.to_array()).concat())),
     }
@@ -91,7 +93,7 @@ fn farther(far: f64, x: &f64) -> f64 {
 /// Smallest extent, µm.
 fn thickness(base: &Base) -> f64 {
     match base {
-        Base::Triangles(mesh) => mesh.bounds().size().min_element(),
+        Base::Triangles(mesh) | Base::Relief(mesh, _) => mesh.bounds().size().min_element(),
         Base::Shape(Shape::Sphere(s)) => 2.0 * s.radius,
         Base::Shape(Shape::Cylinder(c)) => c.length.min(2.0 * c.radii[0].min(c.radii[1])),
         Base::Shape(Shape::Cuboid(b)) => b.bounds().size().min_element(),

@@ -11,6 +11,9 @@ pub(super) fn mark(primitives: &Primitives, solids: &mut [Solid]) {
     for &p in &ids {
         solids[primitives.owner(p) as usize].lonely = convex(p);
     }
+    if !ids.iter().any(|&p| convex(p)) {
+        return;
+    }
     let boxes: Vec<Aabb> = ids.iter().map(|&p| primitives.bounds(p)).collect();
     let pairs = Pairs::new(&boxes);
     for &p in ids.iter().filter(|&&p| convex(p)) {

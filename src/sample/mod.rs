@@ -15,6 +15,7 @@ mod overlap;
 mod parts;
 pub mod problem;
 mod reader;
+pub mod relief;
 mod repeats;
 mod solid;
 pub mod tiling;

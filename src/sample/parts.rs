@@ -2,16 +2,18 @@
 
 use glam::{DVec2, DVec3};
 
-use super::description::{Body, Description, Fibre, Fill, Named, Object, Shape, Sides};
+use super::description::{Body, Description, Fibre, Fill, Named, Object, Patch, Shape, Sides};
 use super::media_list::{MediaList, MediumId};
 use super::mesh::Mesh;
 use super::problem::Problems;
+use super::relief::Relief;
 use super::repeats::Repeats;
 use super::solid::{Base, Matter, Solid};
 use super::tiling::{Cell, Tiling};
 use super::{limits, lonely, overlap};
 use crate::geometry::{self, Aabb, Cuboid, Cylinder, Layer, Primitives, Sphere};
 use crate::light::Coherence;
+use crate::units;
 
 /// Solids with their shapes, in the user's coordinates.
 #[derive(Default)]
@@ -23,7 +25,13 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    pub(super) fn add(&mut self, object: &Object, media: &mut MediaList<'_>, problems: &mut Problems) {
+    pub(super) fn add(
+        &mut self,
+        object: &Object,
+        description: &Description,
+        media: &mut MediaList<'_>,
+        problems: &mut Problems,
+    ) {
         match &object.body {
             Body::Films { top, layers } => self.add_films(object, *top, layers, media, problems),
             Body::Solid(shape, fill) => {
@@ -32,8 +40,12 @@ impl Parts {
                     Fill::Diffuse(share) => Some(Matter::Diffuse(*share)),
                     Fill::Mirror(share) => Some(Matter::Mirror(*share)),
                 };
-                if let Some(matter) = matter {
-                    self.add_solid(object, shape, matter, media, problems);
+                match (matter, shape) {
+                    (Some(matter), Shape::Relief(relief)) => {
+                        self.add_relief(object, relief, matter, description, problems);
+                    }
+                    (Some(matter), _) => self.add_solid(object, shape, matter, media, problems),
+                    (None, _) => {}
                 }
             }
         }
@@ -95,8 +107,37 @@ impl Parts {
                 return;
             }
             Shape::Mesh(mesh) => return self.add_mesh(object, mesh, matter, problems),
+            Shape::Relief(_) => return,
         };
         self.push(object, matter, object.nesting, Base::Shape(flat));
+    }
+
+    /// A body under heights: without sides where it repeats, else a block.
+    fn add_relief(
+        &mut self,
+        object: &Object,
+        relief: &Relief,
+        matter: Matter,
+        description: &Description,
+        problems: &mut Problems,
+    ) {
+        let period = relief.field.period();
+        let base = match description.footprint().filter(|_| description.sides == Sides::Periodic) {
+            None => Base::Triangles(relief.block()),
+            Some(Patch { size, .. }) if (size - period).abs().cmple(1e-6 * period).all() => {
+                let (mesh, wrap) = relief.periodic(size);
+                Base::Relief(mesh, wrap)
+            }
+            Some(Patch { size, .. }) => {
+                let [w, d] = period.to_array().map(|x| units::significant(x, 9));
+                return problems.push(object.place.problem(format!(
+                    "`{}` repeats every {w} x {d} µm, all its pixels, and the patch every {} x {} µm: give patch.size = \
+                     [{w}, {d}], or leave it out; or sides = \"open\" for a block that stands alone",
+                    object.name, size.x, size.y
+                )));
+            }
+        };
+        self.push(object, matter, object.nesting, base);
     }
 
     fn add_mesh(&mut self, object: &Object, mesh: &Mesh, matter: Matter, problems: &mut Problems) {
@@ -126,7 +167,8 @@ impl Parts {
         if above == below {
             return;
         }
-        let Some(top) = self.layers().map(|l| l.bottom).reduce(f64::min) else {
+        let floors = description.reliefs().map(|(_, relief)| relief.floor);
+        let Some(top) = self.layers().map(|l| l.bottom).reduce(f64::min).or_else(|| floors.reduce(f64::min)) else {
             problems.push(description.below.place.problem(format!(
                 "below = \"{}\" differs from above = \"{}\", but nothing says where it begins; add films or a slab",
                 description.below.name, description.above.name
@@ -177,13 +219,14 @@ impl Parts {
     ) -> Option<Cell> {
         let bodies = self.bounds();
         let around = if bodies.is_empty() { Aabb { min: DVec3::ZERO, max: DVec3::ZERO } } else { bodies };
-        let (size, center) = match description.patch {
+        let footprint = description.footprint();
+        let (size, center) = match footprint {
             Some(patch) => (patch.size, patch.center),
             None => (around.size().truncate(), around.center().truncate()),
         };
         let (bottom, top) = self.heights();
         // Films and slabs alone are the same everywhere: any footprint will do, and as wide as high takes few periods.
-        let alone = bodies.is_empty() && description.patch.is_none();
+        let alone = bodies.is_empty() && footprint.is_none();
         let size = if alone { DVec2::splat((top - bottom).max(1.0)) } else { size };
         if size.min_element() <= 0.0 {
             problems.push(description.place.problem(format!(

@@ -1,9 +1,11 @@
 //! Shapes with their repetitions, as primitives.
 
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use super::limits;
 use super::mesh::Mesh;
+use super::relief::Wrap;
 use super::solid::{Base, translated};
 use super::tiling::{Cell, Placed, Tiling};
 use crate::geometry::{self, Aabb, Builder, Primitives, Triangle};
@@ -23,6 +25,9 @@ impl Repeats {
                 for shift in cell.shifts(shape.bounds(), zone) {
                     self.push(translated(*flat, cell.offset(shift)), owner, Placed { base: (number, 0), shift });
                 }
+            }
+            Base::Relief(mesh, wrap) => {
+                self.add_relief(mesh, wrap, number, owner, cell, zone)?;
             }
             Base::Triangles(mesh) => {
                 for shift in cell.shifts(Some(mesh.bounds()), zone) {
@@ -45,6 +50,35 @@ impl Repeats {
             let triangle = Triangle { corners: [corner(0), corner(1), corner(2)] };
             self.push(geometry::Shape::Triangle(triangle), owner, Placed { base: (number, i as u32), shift });
         }
+    }
+
+    /// Triangles of one period and of the next share their corners, bit for bit.
+    fn add_relief(
+        &mut self,
+        mesh: &Mesh,
+        wrap: &Wrap,
+        number: u32,
+        owner: u32,
+        cell: &Cell,
+        zone: Aabb,
+    ) -> Result<(), String> {
+        let mut known: FxHashMap<(u32, [i32; 2]), u32> = FxHashMap::default();
+        for shift in cell.shifts(Some(mesh.bounds()), zone) {
+            for (i, t) in wrap.faces(mesh).enumerate() {
+                let origins = t.map(|corner| wrap.origin(corner, shift));
+                let corners = origins.map(|(corner, by)| mesh.vertices[corner as usize] + cell.offset(by));
+                if !Aabb::around(corners).overlaps(zone) {
+                    continue;
+                }
+                let corners = std::array::from_fn(|k| {
+                    *known.entry(origins[k]).or_insert_with(|| self.builder.vertex(corners[k]))
+                });
+                let triangle = geometry::Shape::Triangle(Triangle { corners });
+                self.push(triangle, owner, Placed { base: (number, i as u32), shift });
+            }
+            limits::check_count(self.count as f64)?;
+        }
+        Ok(())
     }
 
     fn push(&mut self, shape: geometry::Shape, owner: u32, placed: Placed) {

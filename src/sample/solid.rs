@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::media_list::MediumId;
 use super::mesh::Mesh;
 use super::problem::Place;
+use super::relief::Wrap;
 use crate::geometry::{self, Aabb, Cuboid, Cylinder, Layer, Sphere};
 
 /// What a solid does to light that meets it.
@@ -39,6 +40,8 @@ pub struct Solid {
 #[derive(Clone, Debug)]
 pub(super) enum Base {
     Triangles(Mesh),
+    /// One period of a body without sides: the mesh has walls where the next begins, which light does not meet.
+    Relief(Mesh, Wrap),
     Shape(geometry::Shape),
 }
 
@@ -48,10 +51,18 @@ impl Base {
         if let Self::Shape(geometry::Shape::Layer(layer)) = self { Some(*layer) } else { None }
     }
 
+    /// The closed surface, if it is one of triangles.
+    pub(super) fn mesh(&self) -> Option<&Mesh> {
+        match self {
+            Self::Triangles(mesh) | Self::Relief(mesh, _) => Some(mesh),
+            Self::Shape(_) => None,
+        }
+    }
+
     /// Bounds, µm; `None` for layers.
     pub(super) fn bounds(&self) -> Option<Aabb> {
         match self {
-            Self::Triangles(mesh) => Some(mesh.bounds()),
+            Self::Triangles(mesh) | Self::Relief(mesh, _) => Some(mesh.bounds()),
             Self::Shape(geometry::Shape::Sphere(s)) => Some(s.bounds()),
             Self::Shape(geometry::Shape::Cylinder(c)) => Some(c.bounds()),
             Self::Shape(geometry::Shape::Cuboid(b)) => Some(b.bounds()),
@@ -62,6 +73,7 @@ impl Base {
     pub(super) fn translate(&mut self, by: DVec3) {
         *self = match std::mem::replace(self, Self::Triangles(Mesh::default())) {
             Self::Triangles(mesh) => Self::Triangles(mesh.map(|p| p + by)),
+            Self::Relief(mesh, wrap) => Self::Relief(mesh.map(|p| p + by), wrap),
             Self::Shape(shape) => Self::Shape(translated(shape, by)),
         };
     }
@@ -80,7 +92,7 @@ impl Base {
                 let to = c.from + c.length * c.axis;
                 (0..2).filter(|&i| c.axis[i].abs() > 0.999).flat_map(|i| [(i, c.from[i]), (i, to[i])]).collect()
             }
-            Self::Shape(_) => Vec::new(),
+            Self::Relief(..) | Self::Shape(_) => Vec::new(),
         }
     }
 }

@@ -8,6 +8,7 @@ use gonio_embree::sample::description::{Body, Description, Fibre, Fill, Medium, 
 use gonio_embree::sample::generate::bricks::Bricks;
 use gonio_embree::sample::generate::packing::Packing;
 use gonio_embree::sample::problem::Place;
+use gonio_embree::sample::relief::{HeightField, Relief};
 use gonio_embree::sample::{Sample, mesh};
 
 use super::Mesh;
@@ -151,6 +152,19 @@ pub fn mesh(mesh: Mesh) -> Shape {
 /// A box as a mesh.
 pub fn mesh_box(min: impl Into<DVec3>, max: impl Into<DVec3>) -> Shape {
     Shape::Mesh(mesh::Mesh::cuboid(min.into(), max.into()))
+}
+
+/// A body under heights (of column and row) around the origin.
+pub fn relief(size: [usize; 2], pixel: [f64; 2], floor: f64, height: impl Fn(usize, usize) -> f64) -> Shape {
+    let [columns, rows] = size;
+    let heights = (0..rows * columns).map(|i| height(i % columns, i / columns)).collect();
+    let field = HeightField { columns, rows, pixel: pixel.into(), heights };
+    Shape::Relief(Relief { field, center: DVec2::ZERO, floor })
+}
+
+/// Heights without order, from 0 to `most`.
+pub fn rough(most: f64) -> impl Fn(usize, usize) -> f64 {
+    move |column, row| most * ((column * 7919 + row * 104_729 + column * row * 31) % 97) as f64 / 96.0
 }
 
 /// Light of these wavelengths (nm) from these directions (degrees).

@@ -262,6 +262,30 @@ impl Kind for Flakes {
     ];
 }
 
+/// A random rough surface: Gaussian heights of Gaussian autocorrelation
+#[derive(Debug)]
+pub struct Rough;
+
+impl Kind for Rough {
+    const NAME: &'static str = "rough";
+    const KEYS: &'static [&'static [Key]] = &[&[
+        key("rms", Some("100nm"), "LENGTH", "Standard deviation of the heights, µm or with its unit"),
+        key("length", Some("2um"), "LENGTH", "Distance at which the correlation of heights has fallen to 1/e"),
+        key("size", Some("40um,40um"), "W,D", "Edge lengths of the patch, at least eight times the length"),
+        key("points", Some("256"), "N|NX,NY", "Heights along x and y, at least two in each length"),
+        key("base", Some("0"), "LENGTH", "Mean height"),
+        key(
+            "bottom",
+            None,
+            "LENGTH",
+            "Depth of the floor below the lowest height [default: the range of heights, or 1 µm]",
+        ),
+        key("seed", Some("1"), "N", "Seed: the same one gives the same sample"),
+        key("priority", Some("0"), "N", "Where bodies overlap those of higher priority win"),
+        medium("medium", Some("glass=1.5"), "Medium below the surface, with its index or file unless it is built in"),
+    ]];
+}
+
 /// Layers of unequal flat platelets with gaps, each layer laid by itself
 #[derive(Debug)]
 pub struct Mosaic;

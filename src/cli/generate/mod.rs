@@ -4,18 +4,16 @@
 mod keys;
 mod text;
 
-use std::path::Path;
-
 use clap::Subcommand;
 use gonio_embree::light::{Coherence, Wavelengths};
-use gonio_embree::output::atomic;
+use gonio_embree::sample::description::{Body, Shape};
 use gonio_embree::sample::generate::common::heights;
 use gonio_embree::sample::generate::export::{self, Fineness};
 use gonio_embree::sample::{Description, Sample};
 use gonio_embree::units::significant;
 
-use self::keys::{Bricks, Flakes, Given, Mosaic, Packing, Web};
-use super::{Failure, tell};
+use self::keys::{Bricks, Flakes, Given, Mosaic, Packing, Rough, Web};
+use super::{Failure, tell, write};
 
 /// What to make.
 #[derive(Debug, Subcommand)]
@@ -30,6 +28,8 @@ pub enum Kind {
     Flakes(Given<Flakes>),
     /// Layers of unequal flat platelets with gaps, each layer laid by itself
     Mosaic(Given<Mosaic>),
+    /// A random rough surface; also as a file of heights, FILE.gsf
+    Rough(Given<Rough>),
 }
 
 /// Makes it.
@@ -40,12 +40,14 @@ pub fn run(kind: &Kind) -> Result<(), Failure> {
         Kind::Packing(given) => make(given),
         Kind::Flakes(given) => make(given),
         Kind::Mosaic(given) => make(given),
+        Kind::Rough(given) => make(given),
     }
 }
 
 fn make<K: keys::Kind>(given: &Given<K>) -> Result<(), Failure> {
     let extension = given.output.extension().and_then(|e| e.to_str());
-    if !matches!(extension, Some("obj" | "toml")) {
+    let heights = K::NAME == Rough::NAME && extension == Some("gsf");
+    if !heights && !matches!(extension, Some("obj" | "toml")) {
         let library = extension == Some("mtl");
         let why = if library { "the .mtl file is for the materials; " } else { "" };
         return Err(Failure::Input(format!("--output: {why}name the mesh FILE.obj, or the sample FILE.toml")));
@@ -56,6 +58,9 @@ fn make<K: keys::Kind>(given: &Given<K>) -> Result<(), Failure> {
     check(&description)?;
     let title = generated.first().map(|g| g.title(description.sides)).unwrap_or_default();
     let size = size(&description);
+    if heights {
+        return write_heights(given, &description);
+    }
     let bodies = match (extension, given.explode) {
         (Some("obj"), _) => return write_mesh(given, &title, &size, &description),
         (_, true) => export::to_toml(&description.objects).map_err(Failure::Input)?,
@@ -63,7 +68,7 @@ fn make<K: keys::Kind>(given: &Given<K>) -> Result<(), Failure> {
     };
     let patch = text::patch(&description);
     let head = if given.explode { head.replacen("patch = { ", &format!("patch = {{ {patch}, "), 1) } else { head };
-    write(&given.output, &format!("# {title}\n# {size}\n\n{head}{bodies}"))?;
+    write(&given.output, format!("# {title}\n# {size}\n\n{head}{bodies}").as_bytes())?;
     tell(&format!("wrote {}: {size}", given.output.display()));
     Ok(())
 }
@@ -89,15 +94,22 @@ fn write_mesh<K>(given: &Given<K>, title: &str, size: &str, description: &Descri
     let fineness = Fineness { sides: given.fineness as usize, same_volume: given.same_volume };
     let materials = export::to_mtl(&description.objects, &description.media).map_err(Failure::Input)?;
     let mesh = export::to_obj(title, &description.objects, &name, fineness).map_err(Failure::Input)?;
-    write(&library, &materials)?;
-    write(&given.output, &mesh)?;
+    write(&library, materials.as_bytes())?;
+    write(&given.output, mesh.as_bytes())?;
     let patch =
         description.patch.map_or_else(String::new, |p| format!("; measure it with --patch {},{}", p.size.x, p.size.y));
     tell(&format!("wrote {} and {}: {size}{patch}", given.output.display(), library.display()));
     Ok(())
 }
 
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    atomic::write(path, text.as_bytes())
-        .map_err(|e| Failure::Cannot(format!("{}: cannot be written: {e}", path.display())))
+/// The first relief as a file of heights, for shape = "height_field".
+fn write_heights<K>(given: &Given<K>, description: &Description) -> Result<(), Failure> {
+    let field = description.objects.iter().find_map(|object| match &object.body {
+        Body::Solid(Shape::Relief(relief), _) => Some(&relief.field),
+        _ => None,
+    });
+    let field = field.ok_or_else(|| Failure::Input("--output: there are no heights to write".into()))?;
+    write(&given.output, &field.to_gsf())?;
+    tell(&format!("wrote {}: {} x {} heights", given.output.display(), field.columns, field.rows));
+    Ok(())
 }

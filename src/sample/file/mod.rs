@@ -2,6 +2,7 @@
 
 mod media;
 mod objects;
+mod relief;
 
 use std::path::Path;
 

@@ -7,6 +7,7 @@ use super::super::fill::{named, read_fill};
 use super::super::obj;
 use super::super::problem::suggestion;
 use super::super::reader::Table;
+use super::relief::read_height_field;
 use crate::units;
 
 /// Largest number of films in one object, repeats included.
@@ -16,11 +17,10 @@ const SHAPES: [&str; 7] = ["sphere", "cylinder", "box", "mesh", "films", "slab",
 
 /// Whether the shape can be read; if not it is noted.
 fn check_shape(t: &Table<'_>, name: &str) -> bool {
-    let message = match name {
-        "height_field" => "shape = \"height_field\" is not there yet; make a closed mesh of the relief".into(),
-        known if SHAPES.contains(&known) => return true,
-        _ => format!("unknown shape `{name}`{}; known: {}", suggestion(name, SHAPES), SHAPES.join(", ")),
-    };
+    if SHAPES.contains(&name) {
+        return true;
+    }
+    let message = format!("unknown shape `{name}`{}; known: {}", suggestion(name, SHAPES), SHAPES.join(", "));
     t.source().note(t.place_of("shape").problem(message));
     false
 }
@@ -46,6 +46,7 @@ pub(super) fn read_object(t: &Table<'_>, number: usize) -> Option<Object> {
         "box" => read_box(t),
         "mesh" => read_mesh(t),
         "slab" => read_slab(t),
+        "height_field" => read_height_field(t),
         _ => None,
     };
     let fill = read_fill(t);

@@ -69,6 +69,7 @@ pub fn heights(objects: &[Object]) -> Option<[f64; 2]> {
         }
         Body::Solid(Shape::Cuboid { min, max }, _) => Some([min.z, max.z]),
         Body::Solid(Shape::Mesh(mesh), _) => Some([mesh.bounds().min.z, mesh.bounds().max.z]),
+        Body::Solid(Shape::Relief(relief), _) => Some([relief.floor, relief.field.range()[1]]),
         Body::Solid(Shape::Slab { .. }, _) | Body::Films { .. } => None,
     };
     objects.iter().filter_map(of).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])

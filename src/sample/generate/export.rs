@@ -91,6 +91,7 @@ fn faces(shape: &Shape, fineness: Fineness) -> Result<Faces, String> {
         Shape::Sphere { center, radius } => sphere(*center, *radius, fineness),
         Shape::Cylinder(fibre) => cylinder(fibre, fineness),
         Shape::Mesh(mesh) => mesh.clone(),
+        Shape::Relief(relief) => relief.block(),
         Shape::Slab { .. } => return Err("a slab has no sides: it cannot be a mesh".into()),
     };
     Ok((mesh.vertices, mesh.triangles.iter().map(|t| t.to_vec()).collect()))
@@ -176,7 +177,7 @@ pub fn to_toml(objects: &[Object]) -> Result<String, String> {
             }
             Shape::Cuboid { min, max } => ("box", format!("min = {}\nmax = {}\n", point(*min), point(*max))),
             Shape::Cylinder(f) => ("cylinder", cylinder_keys(f)),
-            Shape::Mesh(_) => {
+            Shape::Mesh(_) | Shape::Relief(_) => {
                 let name = &object.name;
                 return Err(format!(
                     "`{name}` is a mesh, which a sample file only names: leave out --explode, or write FILE.obj"

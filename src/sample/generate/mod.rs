@@ -11,6 +11,7 @@ pub mod insertion;
 pub mod mosaic;
 pub mod packing;
 mod prism;
+pub mod rough;
 pub mod sizes;
 pub mod web;
 
@@ -25,6 +26,7 @@ use common::Setting;
 use flakes::Flakes;
 use mosaic::Mosaic;
 use packing::SpherePacking;
+use rough::RoughSurface;
 use web::Web;
 
 /// A `[[generate]]` table.
@@ -40,9 +42,11 @@ pub enum Generate {
     Flakes(Flakes),
     /// Layers of unequal platelets.
     Mosaic(Mosaic),
+    /// A random rough surface.
+    Rough(RoughSurface),
 }
 
-const KINDS: [&str; 5] = ["bricks", "packing", "web", "flakes", "mosaic"];
+const KINDS: [&str; 6] = ["bricks", "packing", "web", "flakes", "mosaic", "rough"];
 
 impl Generate {
     /// Reads the table; `None` if something is wrong, which has been noted.
@@ -52,6 +56,7 @@ impl Generate {
             Some("packing") => SpherePacking::read(t, setting).map(Self::Packing),
             Some("flakes") => Flakes::read(t, setting).map(Self::Flakes),
             Some("mosaic") => Mosaic::read(t, setting).map(Self::Mosaic),
+            Some("rough") => RoughSurface::read(t).map(Self::Rough),
             Some("web") => Web::read(t, setting).map(Self::Web),
             unknown => {
                 if let Some(other) = unknown {
@@ -70,7 +75,7 @@ impl Generate {
     fn check_patch(&self, setting: Setting) -> Result<(), String> {
         let repeats = setting.periodic
             && match self {
-                Self::Bricks(_) | Self::Mosaic(_) => true,
+                Self::Bricks(_) | Self::Mosaic(_) | Self::Rough(_) => true,
                 Self::Packing(p) => p.common.periodic,
                 Self::Web(w) => w.common.periodic,
                 Self::Flakes(f) => f.common.periodic,
@@ -94,6 +99,7 @@ impl Generate {
             Self::Web(w) => w.size,
             Self::Flakes(f) => f.slab.size.truncate(),
             Self::Mosaic(m) => DVec2::from_array(m.patch()),
+            Self::Rough(r) => r.rough.size,
         };
         Some(Patch { size, center: DVec2::ZERO })
     }
@@ -106,6 +112,7 @@ impl Generate {
             Self::Web(w) => w.title(),
             Self::Flakes(f) => f.title(),
             Self::Mosaic(m) => m.title(),
+            Self::Rough(r) => r.title(),
         };
         let [w, d] = self.patch().map_or([0.0; 2], |p| p.size.to_array()).map(|x| significant(x, 9));
         format!("{what}; {sides} patch {w} x {d} um")
@@ -119,6 +126,7 @@ impl Generate {
             Self::Flakes(f) => f.objects(t.place()).map_err(|e| t.complain(e.to_string())).ok(),
             Self::Mosaic(m) => Some(m.objects(t.place())),
             Self::Web(w) => w.objects(t.place()).map_err(|e| t.complain(e)).ok(),
+            Self::Rough(r) => r.objects(t.place()).map_err(|e| t.complain(e)).ok(),
         }
     }
 }

@@ -20,7 +20,7 @@ use self::triangles::{below, clip, middle_of_meeting};
 use super::problem::{Place, Problem};
 use super::solid::{Base, Solid};
 use super::tiling::Cell;
-use crate::geometry::{Aabb, COINCIDENT, Layer, Pairs};
+use crate::geometry::{Aabb, COINCIDENT, Cuboid, Layer, Pairs};
 
 /// Overlaps told one by one; of the others only the number.
 const MOST_TOLD: usize = 5;
@@ -179,20 +179,25 @@ impl<'a> Scene<'a> {
     fn convex(&self, body: &Body, shared: Aabb) -> Option<Convex<'_>> {
         match &self.shapes[body.shape].0 {
             Base::Shape(shape) => Some(Convex::of(shape)?.translated(body.offset).clipped(shared)),
-            Base::Triangles(_) => None,
+            Base::Triangles(_) | Base::Relief(..) => None,
         }
     }
 
     /// What the body spans; that of a mesh a little smaller, so that touching meshes are apart.
     fn hull(&self, body: &Body, shared: Aabb) -> Option<Convex<'_>> {
-        let Base::Triangles(mesh) = &self.shapes[body.shape].0 else { return self.convex(body, shared) };
+        let mesh = match &self.shapes[body.shape].0 {
+            Base::Triangles(mesh) => mesh,
+            // Its corners are many and, seen from afar, a box.
+            Base::Relief(..) => return Some(Convex::Cuboid(Cuboid { min: body.bounds.min, max: body.bounds.max })),
+            Base::Shape(_) => return self.convex(body, shared),
+        };
         let bounds = mesh.bounds();
         let scale = 1.0 - self.depth / bounds.size().min_element();
         Some(Convex::Hull { corners: &mesh.vertices, center: bounds.center(), offset: body.offset, scale })
     }
 
     fn columns(&self, body: &Body) -> Option<&Columns<'a>> {
-        let Base::Triangles(mesh) = &self.shapes[body.shape].0 else { return None };
+        let mesh = self.shapes[body.shape].0.mesh()?;
         Some(self.columns[body.shape].get_or_init(|| Columns::new(mesh)))
     }
 

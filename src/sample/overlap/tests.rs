@@ -79,7 +79,9 @@ impl Bodies {
 /// The point of a body farthest along `d`.
 fn farthest(base: &Base, d: DVec3) -> DVec3 {
     match base {
-        Base::Triangles(mesh) => mesh.vertices.iter().copied().max_by(|p, q| p.dot(d).total_cmp(&q.dot(d))).unwrap(),
+        Base::Triangles(mesh) | Base::Relief(mesh, _) => {
+            mesh.vertices.iter().copied().max_by(|p, q| p.dot(d).total_cmp(&q.dot(d))).unwrap()
+        }
         Base::Shape(shape) => Convex::of(shape).unwrap().farthest(d),
     }
 }
