@@ -79,7 +79,7 @@ fn check(description: &Description) -> Result<(), Failure> {
 /// How many bodies there are, and between which heights.
 fn size(description: &Description) -> String {
     let [low, high] =
-        heights(&description.objects).unwrap_or_default().map(|z| significant((z * 1e9).round() / 1e9, 6));
+        heights(&description.objects).unwrap_or_default().map(|z| significant((z * 1e9).round() / 1e9 + 0.0, 6));
     format!("{} bodies from z = {low} to {high} um", description.objects.len())
 }
 
@@ -91,9 +91,13 @@ fn write_mesh<K>(given: &Given<K>, title: &str, size: &str, description: &Descri
     let mesh = export::to_obj(title, &description.objects, &name, fineness).map_err(Failure::Input)?;
     write(&library, &materials)?;
     write(&given.output, &mesh)?;
-    let patch =
-        description.patch.map_or_else(String::new, |p| format!("; measure it with --patch {},{}", p.size.x, p.size.y));
-    tell(&format!("wrote {} and {}: {size}{patch}", given.output.display(), library.display()));
+    let [w, d] = description.patch.map_or([0.0; 2], |p| p.size.to_array()).map(|x| significant(x, 9));
+    let sides = if given.open { " --sides open" } else { "" };
+    tell(&format!(
+        "wrote {} and {}: {size}; measure it with --patch {w},{d}{sides}",
+        given.output.display(),
+        library.display()
+    ));
     Ok(())
 }
 
