@@ -78,6 +78,7 @@ pub fn turned_over(build: &Build) -> Build {
                 (*min, *max) = (a.min(b), a.max(b));
             }
             Shape::Slab { top, bottom } => (*top, *bottom) = (-*bottom, -*top),
+            Shape::Relief(_) => panic!("no reliefs here"),
             Shape::Mesh(mesh) => mesh.vertices.iter_mut().for_each(|v| *v = over(*v)),
         }
     }

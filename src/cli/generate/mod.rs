@@ -46,8 +46,8 @@ pub fn run(kind: &Kind) -> Result<(), Failure> {
 
 fn make<K: keys::Kind>(given: &Given<K>) -> Result<(), Failure> {
     let extension = given.output.extension().and_then(|e| e.to_str());
-    let heights = K::NAME == Rough::NAME && extension == Some("gsf");
-    if !heights && !matches!(extension, Some("obj" | "toml")) {
+    let as_heights = K::NAME == "rough" && extension == Some("gsf");
+    if !as_heights && !matches!(extension, Some("obj" | "toml")) {
         let library = extension == Some("mtl");
         let why = if library { "the .mtl file is for the materials; " } else { "" };
         return Err(Failure::Input(format!("--output: {why}name the mesh FILE.obj, or the sample FILE.toml")));
@@ -58,7 +58,7 @@ fn make<K: keys::Kind>(given: &Given<K>) -> Result<(), Failure> {
     check(&description)?;
     let title = generated.first().map(|g| g.title(description.sides)).unwrap_or_default();
     let size = size(&description);
-    if heights {
+    if as_heights {
         return write_heights(given, &description);
     }
     let bodies = match (extension, given.explode) {
@@ -84,7 +84,7 @@ fn check(description: &Description) -> Result<(), Failure> {
 /// How many bodies there are, and between which heights.
 fn size(description: &Description) -> String {
     let [low, high] =
-        heights(&description.objects).unwrap_or_default().map(|z| significant((z * 1e9).round() / 1e9, 6));
+        heights(&description.objects).unwrap_or_default().map(|z| significant((z * 1e9).round() / 1e9 + 0.0, 6));
     format!("{} bodies from z = {low} to {high} um", description.objects.len())
 }
 
@@ -96,9 +96,13 @@ fn write_mesh<K>(given: &Given<K>, title: &str, size: &str, description: &Descri
     let mesh = export::to_obj(title, &description.objects, &name, fineness).map_err(Failure::Input)?;
     write(&library, materials.as_bytes())?;
     write(&given.output, mesh.as_bytes())?;
-    let patch =
-        description.patch.map_or_else(String::new, |p| format!("; measure it with --patch {},{}", p.size.x, p.size.y));
-    tell(&format!("wrote {} and {}: {size}{patch}", given.output.display(), library.display()));
+    let [w, d] = description.patch.map_or([0.0; 2], |p| p.size.to_array()).map(|x| significant(x, 9));
+    let sides = if given.open { " --sides open" } else { "" };
+    tell(&format!(
+        "wrote {} and {}: {size}; measure it with --patch {w},{d}{sides}",
+        given.output.display(),
+        library.display()
+    ));
     Ok(())
 }
 

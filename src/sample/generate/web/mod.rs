@@ -51,7 +51,7 @@ pub struct Web {
 const MOST_FIBRES: usize = 20_000;
 
 /// A fibre may be so many times longer than the patch.
-const MOST_PERIODS: f64 = 100.0;
+const MOST_PERIODS: f64 = 20.0;
 
 impl Web {
     /// Reads the table; what is not given is the paper's.

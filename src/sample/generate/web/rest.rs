@@ -146,13 +146,17 @@ impl Pile {
     pub fn lay(&mut self, fibre: Outline, floor: f64) -> f64 {
         let mut height = floor + self.ratio * fibre.radius;
         for (below, other) in &self.lying {
-            // Those that follow lie even lower.
-            if below + self.ratio * (fibre.radius + other.radius) <= height {
+            // Nothing is higher than a crossing of the axes, and those that follow lie even lower.
+            let highest = below + self.ratio * (fibre.radius + other.radius);
+            if highest <= height {
                 break;
             }
             for shift in fibre.meetings(other, self.period) {
                 let image = Outline { center: other.center - shift, ..*other };
                 height = fibre.clearance(&image).map_or(height, |c| height.max(below + self.ratio * c));
+                if height >= highest {
+                    break;
+                }
             }
         }
         let at = self.lying.partition_point(|(z, _)| *z > height);
