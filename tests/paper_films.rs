@@ -98,8 +98,8 @@ fn bricks_far_from_their_walls_are_films() {
             let light = line(&nm, &[0.0, 20.0], Polarization::Unpolarized);
             let films = reflectance(&description(&format!("hummingbird/films-{reading}-{around}")), &light, 32);
             let mut bricks = description(&format!("hummingbird/bricks-{reading}-{around}"));
-            // Walls are at multiples of 0.75 µm along x and of 2 µm along y.
-            let center = DVec2::new(0.375, 0.0);
+            // Walls are at multiples of 0.75 µm along x and of 1 µm along y.
+            let center = DVec2::new(0.375, 0.5);
             (bricks.patch, bricks.sides) = (Some(Patch { size: DVec2::splat(0.05), center }), Sides::Open);
             for (a, b) in films.iter().flatten().zip(reflectance(&bricks, &light, 200).iter().flatten()) {
                 assert!((a.value - b.value).abs() < 1e-9, "{reading}, {around}: {a:?} {b:?}");
@@ -113,11 +113,11 @@ fn rms(all: impl Iterator<Item = f64>) -> f64 {
     (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt()
 }
 
-/// The highest reflectance beyond the band on its red side.
+/// The highest reflectance on the blue side of the band.
 fn side_lobe(of: &[f64]) -> f64 {
-    let edge = of.iter().rposition(|&r| r > 0.5).unwrap();
-    let valley = (edge..of.len() - 1).find(|&i| of[i + 1] > of[i]).unwrap_or(of.len() - 1);
-    of[valley..].iter().copied().fold(0.0, f64::max)
+    let peak = (0..of.len()).max_by(|&a, &b| of[a].total_cmp(&of[b])).unwrap();
+    let valley = (1..=peak).rev().find(|&i| of[i - 1] > of[i]).unwrap();
+    of[..valley].iter().copied().fold(0.0, f64::max)
 }
 
 /// Rays see columns of films: on average over the area, for they cannot do else. 33 wavelengths twice: a |z| above 5 (Student,

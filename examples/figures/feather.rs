@@ -124,15 +124,15 @@ pub fn bricks(effort: Effort) -> Result<Figure> {
             let top = (0..nm.len()).map(of).fold(0.0, f64::max);
             (0..nm.len()).filter(|&i| nm[i] > 480.0 && of(i) > 0.5 * top).count() as f64 * (nm[1] - nm[0])
         };
-        // Beyond the band.
+        // On the blue side of the band.
         let lobe = |of: &dyn Fn(usize) -> f64| {
-            let edge = (0..nm.len()).rev().find(|&i| of(i) > 0.5).unwrap_or(0);
-            let least = (edge..nm.len()).find(|&i| i + 1 < nm.len() && of(i + 1) > of(i)).unwrap_or(nm.len() - 1);
-            (least..nm.len()).map(of).fold(0.0, f64::max)
+            let peak = (0..nm.len()).max_by(|&a, &b| of(a).total_cmp(&of(b))).unwrap_or(0);
+            let valley = (1..=peak).rev().find(|&i| of(i - 1) > of(i)).unwrap_or(0);
+            (0..valley).map(of).fold(0.0, f64::max)
         };
         finds.push(format!(
             "In {around}: the bricks reflect what their columns of films do on average by area, to {z:.1} standard errors. The band is \
-             {:.0} nm wide at half its height (films {:.0} nm, RCWA {:.0} nm); the highest secondary peak beyond it {:.3} (films {:.3}, RCWA {:.3}).",
+             {:.0} nm wide at half its height (films {:.0} nm, RCWA {:.0} nm); the highest secondary peak below it {:.3} (films {:.3}, RCWA {:.3}).",
             width(&of_bricks), width(&of_films), width(&of_rcwa), lobe(&of_bricks), lobe(&of_films), lobe(&of_rcwa)
         ));
         finds.push(format!(
@@ -159,7 +159,7 @@ pub fn bricks(effort: Effort) -> Result<Figure> {
         finds,
         verdict: Verdict::But(
             if holds {
-                "In part. Secondary peaks beyond the band are lower than those of films, as the paper says. The band of the bricks does \
+                "In part. Secondary peaks are lower than those of films, as the paper says. The band of the bricks does \
                  not become narrower in its rays; rigorous waves make it lower and move it to the red. Bricks are three wavelengths wide, so \
                  light in them is no ray: below 530 nm waves guided along the layers change the reflectance by more than \
                  the bricks do, and nothing is claimed there."

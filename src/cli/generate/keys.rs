@@ -141,6 +141,7 @@ impl Kind for Bricks {
         key("count", Some("4,3"), "NX,NY", "Bricks along x and y in a patch"),
         key("size", Some("1500nm,2000nm,172nm"), "X,Y,Z", "Edge lengths of a brick, µm or with their unit"),
         key("shell", Some("37nm,37nm,37nm"), "X,Y,Z", "Thickness of the shell around the core"),
+        key("shift", Some("0.5,0"), "X,Y", "By which parts of a brick every other layer is shifted"),
         Key {
             name: "index",
             default: Some("2.0"),

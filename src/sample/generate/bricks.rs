@@ -7,7 +7,7 @@ use super::super::description::{Body, Fill, Named, Object, Shape};
 use super::super::problem::Place;
 use super::super::reader::Table;
 
-/// Layers of touching bricks on a periodic patch, alternate layers shifted by half a brick.
+/// Layers of touching bricks on a periodic patch, alternate layers shifted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bricks {
     /// Number of layers.
@@ -18,6 +18,8 @@ pub struct Bricks {
     pub size: DVec3,
     /// Thickness of the shell around the core in x, y and z, µm.
     pub shell: DVec3,
+    /// By which parts of a brick every other layer is shifted along x and y, 0 to 1.
+    pub shift: [f64; 2],
     /// Height of the lower face of the lowest layer, µm.
     pub bottom: f64,
     /// Medium of the shell.
@@ -47,6 +49,7 @@ impl Default for Bricks {
             count: [4, 3],
             size: DVec3::new(1.5, 2.0, 0.172),
             shell: DVec3::splat(0.037),
+            shift: [0.5, 0.0],
             bottom: 0.0,
             medium: named("platelet"),
             core: named("core"),
@@ -66,6 +69,7 @@ impl Bricks {
         let count = t.numbers::<2>("count", "two numbers such as [4, 3]").unwrap_or(base.count.map(|n| n as f64));
         let size = t.point("size").unwrap_or(base.size);
         let shell = t.point("shell").unwrap_or(base.shell);
+        let shift = t.numbers::<2>("shift", "two parts of a brick such as [0.5, 0.5]").unwrap_or(base.shift);
         let bottom = t.length("bottom").unwrap_or(base.bottom);
         if count.iter().any(|n| *n < 1.0 || *n > 1e4 || n.fract() != 0.0) || count[0] * count[1] * layers as f64 > 1e6 {
             t.complain(format!(
@@ -73,7 +77,7 @@ impl Bricks {
             ));
             return None;
         }
-        let made = Self { layers, count: count.map(|n| n as usize), size, shell, bottom, medium, core };
+        let made = Self { layers, count: count.map(|n| n as usize), size, shell, shift, bottom, medium, core };
         if let Err(why) = made.check() {
             t.complain(why);
             return None;
@@ -95,6 +99,9 @@ impl Bricks {
                 self.shell, self.size
             ));
         }
+        if !self.shift.iter().all(|s| (0.0..=1.0).contains(s)) {
+            return Err(format!("shift = {:?}: expected parts of a brick from 0 to 1", self.shift));
+        }
         Ok(())
     }
 
@@ -109,9 +116,9 @@ impl Bricks {
         for layer in 0..self.layers {
             let z = self.bottom + layer as f64 * self.size.z;
             let top = self.bottom + (layer + 1) as f64 * self.size.z;
-            let shift = if layer % 2 == 1 { 0.5 } else { 0.0 };
-            for y in pieces(self.count[1], self.size.y, 0.0, self.shell.y) {
-                for x in pieces(self.count[0], self.size.x, shift, self.shell.x) {
+            let [shift_x, shift_y] = if layer % 2 == 1 { self.shift } else { [0.0, 0.0] };
+            for y in pieces(self.count[1], self.size.y, shift_y, self.shell.y) {
+                for x in pieces(self.count[0], self.size.x, shift_x, self.shell.x) {
                     parts.push(Part {
                         min: DVec3::new(x.shell[0], y.shell[0], z),
                         max: DVec3::new(x.shell[1], y.shell[1], top),
@@ -152,8 +159,12 @@ impl Bricks {
 
     /// What it is, in a line.
     pub fn title(&self) -> String {
+        let shift = match self.shift {
+            [0.5, 0.0] => "half a brick".into(),
+            [x, y] => format!("{x} of a brick along x and {y} along y"),
+        };
         format!(
-            "{} layers of bricks {} x {} x {} um, alternate layers shifted by half a brick",
+            "{} layers of bricks {} x {} x {} um, alternate layers shifted by {shift}",
             self.layers, self.size.x, self.size.y, self.size.z
         )
     }
@@ -194,5 +205,10 @@ mod tests {
         assert!((volume(true) - 4.0 * 3.0 * 7.0 * 1.426 * 1.926 * 0.098).abs() < 1e-9);
         // Three shifted layers with one brick cut in two, in each of three rows.
         assert_eq!(bricks.parts().iter().filter(|p| !p.is_core).count(), 84 + 9);
+        // Shifted both ways, one row is cut in two as well; nothing is lost.
+        let both = Bricks { shift: [0.5, 0.5], ..Bricks::default() };
+        assert_eq!(both.parts().iter().filter(|p| !p.is_core).count(), 4 * 12 + 3 * 5 * 4);
+        let volume: f64 = both.parts().iter().filter(|p| p.is_core).map(|p| (p.max - p.min).element_product()).sum();
+        assert!((volume - 4.0 * 3.0 * 7.0 * 1.426 * 1.926 * 0.098).abs() < 1e-9);
     }
 }
