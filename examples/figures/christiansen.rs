@@ -8,7 +8,7 @@ use gonio_embree::light::{Polarization, SourceMode};
 use gonio_embree::plot::{self, Curve, Panel};
 use gonio_embree::sample::{Description, Sample};
 
-use super::figure::{Effort, Figure, Result, Table, Verdict, light, measure_file, steps};
+use super::figure::{Claim, Effort, Figure, Result, Table, light, measure_file, steps};
 
 const FILE: &str = "christiansen.toml";
 /// Where both media have one index, nm.
@@ -54,7 +54,11 @@ pub fn indices(_: Effort) -> Result<Figure> {
                 .into(),
             format!("The liquid's index is {:+.4} off that of the glass at 400 nm, {:+.4} at 700 nm.", difference(0), difference(nm.len() - 1)),
         ],
-        verdict: Verdict::But("The text has no numbers, so these curves are our choice; they have the shape it describes.".into()),
+        claims: vec![Claim::new(
+            "the curves cross at 520 nm and nowhere else",
+            (0..nm.len()).all(|i| nm[i] == CROSSING || (difference(i) > 0.0) == (nm[i] < CROSSING)),
+        )],
+        verdict: "The text has no numbers, so these curves are our choice; they have the shape it describes.".into(),
         svg: plot::panels("", &[panel]),
         csv,
     })
@@ -132,7 +136,8 @@ pub fn filter(effort: Effort) -> Result<Figure> {
     let [first, last] = [0, nm.len() - 1];
     let is_green = green.0[1] > green.0[0] && green.0[1] > green.0[2];
     let is_magenta = magenta.0[1] < magenta.0[0] && magenta.0[1] < magenta.0[2];
-    let holds = top == at && undeflected > 0.99 && is_green && is_magenta;
+    let far = |i: usize| parts.direct[i].value < 0.5 * parts.direct[at].value;
+    let falls = far(at - 4) && far(at + 4) && parts.direct[first].value < 0.1 && parts.direct[last].value < 0.1;
     Ok(Figure {
         title: "light that a Christiansen filter transmits and reflects".into(),
         made_of: format!("`{FILE}`, 20 wavelengths, normal incidence, {trees} ray trees."),
@@ -153,15 +158,14 @@ pub fn filter(effort: Effort) -> Result<Figure> {
                 100.0 * parts.back[at].value
             ),
         ],
-        verdict: if holds {
-            Verdict::But(
-                "Yes, in all colours. How much is reflected depends on the indices of figure 4, which the text does not \
-                 tell: with those of real glass and a real liquid it is about a percent, not much of the light."
-                    .into(),
-            )
-        } else {
-            Verdict::But("No.".into())
-        },
+        claims: vec![
+            Claim::new("the direct light is most where the curves cross, and there more than 0.99 of all", top == at && undeflected > 0.99),
+            Claim::new("it falls on both sides", falls),
+            Claim::new("the direct light is green, the reflected light magenta", is_green && is_magenta),
+        ],
+        verdict: "Yes, in all colours. How much is reflected depends on the indices of figure 4, which the text does not tell: with those \
+                  of a real glass and a real liquid it is about a percent, not much of the light."
+            .into(),
         svg: plot::panels("A Christiansen filter of 14,000 microspheres", &[direct, diffuse, back]),
         csv,
     })

@@ -29,12 +29,17 @@ impl Effort {
     }
 }
 
-/// Whether the paper's statement holds here.
+/// A statement that is tested.
 #[derive(Clone, Debug)]
-pub enum Verdict {
-    Agrees,
-    /// In part, or not: why.
-    But(String),
+pub struct Claim {
+    pub what: String,
+    pub holds: bool,
+}
+
+impl Claim {
+    pub fn new(what: impl Into<String>, holds: bool) -> Self {
+        Self { what: what.into(), holds }
+    }
 }
 
 /// A figure with what is to be said about it.
@@ -47,7 +52,10 @@ pub struct Figure {
     pub says: String,
     /// What comes out here: one sentence each.
     pub finds: Vec<String>,
-    pub verdict: Verdict,
+    /// What must be so, of what the paper says or in its place.
+    pub claims: Vec<Claim>,
+    /// Whether the paper's statements hold here if the claims do, and why not where not.
+    pub verdict: String,
     pub svg: String,
     pub csv: Table,
 }

@@ -70,6 +70,10 @@ fn run() -> Result<()> {
         figure.write(number, &out)?;
         println!("figure {number}: {} ({:.0} s)", figure.title, start.elapsed().as_secs_f64());
         figure.finds.iter().for_each(|line| println!("  - {line}"));
+        figure
+            .claims
+            .iter()
+            .for_each(|c| println!("  {} {}", if c.holds { "holds:" } else { "DOES NOT HOLD:" }, c.what));
         drawn.push((number, figure));
     }
     println!("written to {}", out.display());

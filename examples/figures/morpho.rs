@@ -5,7 +5,7 @@ use gonio_embree::experiment::Settings;
 use gonio_embree::films::{self, Sweep};
 use gonio_embree::light::{Polarization, SourceMode};
 
-use super::figure::{Effort, Figure, Result, Table, Verdict, light, measure_file, steps};
+use super::figure::{Claim, Effort, Figure, Result, Table, light, measure_file, steps};
 
 const FILMS: usize = 12;
 /// Pixels: a sphere with its swatches.
@@ -70,11 +70,14 @@ pub fn colours(effort: Effort) -> Result<Figure> {
             ),
             "Towards grazing light the band moves to the violet and out of sight, as the spheres show.".into(),
         ],
-        verdict: if worst < 1e-9 && nm12 == 455.0 {
-            Verdict::Agrees
-        } else {
-            Verdict::But(format!("No: off by {worst:e}, peak at {nm12} nm."))
-        },
+        claims: vec![
+            Claim::new("the samples reflect what the film formula says, to 1e-9", worst < 1e-9),
+            Claim::new(
+                "twelve films are blue: they reflect most at 455 nm (of steps of 5 nm)",
+                nm12 == 455.0 && r12 > 0.99,
+            ),
+        ],
+        verdict: "Yes.".into(),
         svg,
         csv,
     })

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use gonio_embree::output::atomic;
 
-use super::figure::{Figure, Result, Verdict};
+use super::figure::{Figure, Result};
 
 const HEAD: &str = "# The paper's figures
 
@@ -24,14 +24,13 @@ pub fn write(path: &Path, figures: &[(&str, Figure)]) -> Result<()> {
     let mut text = String::from(HEAD);
     for (number, figure) in figures {
         let finds: String = figure.finds.iter().map(|line| format!("- {line}\n")).collect();
-        let verdict = match &figure.verdict {
-            Verdict::Agrees => "Yes.",
-            Verdict::But(why) => why,
-        };
+        let claims: String =
+            figure.claims.iter().map(|c| format!("- [{}] {}\n", if c.holds { "x" } else { " " }, c.what)).collect();
+        let verdict = &figure.verdict;
         text += &format!(
             "\n## Figure {number}: {}\n\n![{}](figures/figure-{number}.svg)\n\n[PNG](figures/figure-{number}.png), \
              [numbers](figures/figure-{number}.csv). {}\n\n**The paper says:** {}\n\n**Here:**\n\n{finds}\n\
-             **Do they agree?** {verdict}\n",
+             **Tested:**\n\n{claims}\n**Do they agree?** {verdict}\n",
             figure.title, figure.title, figure.made_of, figure.says
         );
     }
