@@ -41,6 +41,7 @@ pub fn indices(_: Effort) -> Result<Figure> {
             Curve::exact("liquid", nm.clone(), liquid.clone()),
         ],
         y_range: Some((1.56, 1.66)),
+        ..Panel::default()
     };
     Ok(Figure {
         title: "indices of the glass and of the liquid".into(),
@@ -114,7 +115,7 @@ pub fn filter(effort: Effort) -> Result<Figure> {
     let panel = |title: &str, y: &[Estimate]| -> Result<(Panel, Srgb, [f64; 2])> {
         let (colour, xy) = seen(&nm, y)?;
         let curve = Curve { x: nm.clone(), y: y.to_vec(), color: Some(colour.0.into()), ..Curve::default() };
-        let title = format!("{title} (as bright as white: {colour})");
+        let title = format!("{title}: {colour} if bright");
         Ok((
             Panel {
                 title,

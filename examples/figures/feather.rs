@@ -22,6 +22,7 @@ fn panel(title: &str, curves: Vec<Curve>) -> Panel {
         y_name: "reflectance at normal incidence".into(),
         curves,
         y_range: Some((0.0, 1.05)),
+        ..Panel::default()
     }
 }
 
@@ -140,7 +141,7 @@ pub fn bricks(effort: Effort) -> Result<Figure> {
             z < 5.0,
         ));
         claims.push(Claim::new(
-            format!("in {around}: secondary peaks are lower than those of films"),
+            format!("in {around}: the highest secondary peak is lower than that of films"),
             lobe(&of_bricks) < lobe(&of_films),
         ));
         let columns: Vec<(f64, f64)> = rigorous;
@@ -161,7 +162,7 @@ pub fn bricks(effort: Effort) -> Result<Figure> {
             .into(),
         finds,
         claims,
-        verdict: "In part. Secondary peaks are lower than those of films, as the paper says. The band of the bricks does not become narrower in \
+        verdict: "In part. The highest secondary peak is lower than that of films, as the paper says (in keratin the next one is not). The band of the bricks does not become narrower in \
                   rays; rigorous waves make it lower and move it to the red. Bricks are three wavelengths wide, so light in them is no ray: below \
                   530 nm waves guided along the layers change the reflectance by more than the bricks do, and nothing is claimed \
                   there."

@@ -59,7 +59,7 @@ fn scans(file: &str, theta: f64, seeds: u64, trees: u64) -> Result<[Series; 2]> 
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/samples").join(file);
     let text = std::fs::read_to_string(path)?;
     let light = light(&[NM], &DIRECTIONS.map(|(_, phi)| (theta, phi)), Polarization::S, SourceMode::Band)?;
-    let arm = Arm { angles_deg: steps(-90.0, 90.0, 2.0), aperture_deg: APERTURE, below: false };
+    let arm = Arm { angles_deg: steps(-90.0, 80.0, 2.0), aperture_deg: APERTURE, below: false };
     let mut series = [(); 2].map(|()| Series { angles: arm.angles_deg.clone(), rows: Vec::new() });
     for seed in 1..=seeds {
         let (description, _) = Description::from_text(&text.replace("seed = 1\n", &format!("seed = {seed}\n")))?;
@@ -85,6 +85,7 @@ fn panel(title: &str, curves: Vec<Curve>) -> Panel {
         x_name: "exit angle / ° (negative: the side of the source)".into(),
         y_name: "BRDF / (1/sr)".into(),
         curves,
+        is_log: true,
         ..Panel::default()
     }
 }
@@ -194,13 +195,11 @@ pub fn coating(effort: Effort) -> Result<Figure> {
         }
     }
     let [along, across] = curves;
-    let mut panels = vec![panel("light along the machine direction", along), panel("light across", across)];
-    panels.iter_mut().for_each(|p| p.y_range = Some((0.0, 3.0)));
+    let panels = [panel("light along the machine direction", along), panel("light across", across)];
     Ok(Figure {
         title: "a web with and without calcium carbonate".into(),
         made_of: format!(
-            "`web-coated.toml`, `web-oriented.toml`, 75°, 670 nm, s-polarized; {seeds} coatings, {trees} ray trees on each; the mirror \
-             peaks of the bare web are beyond the frame."
+            "`web-coated.toml`, `web-oriented.toml`, 75°, 670 nm, s-polarized; {seeds} coatings, {trees} ray trees on each."
         ),
         says: "The coated web has both a specular peak and a retro-reflectance peak; a similar web without coating has no \
                retro-reflectance peak."

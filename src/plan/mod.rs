@@ -5,6 +5,7 @@ mod effects;
 pub mod features;
 pub mod films;
 mod limits;
+mod neighbours;
 pub mod stacks;
 mod wanted;
 

@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use crate::geometry::{Aabb, Cuboid, Cylinder, Layer, Pairs, PrimId, Primitives, Shape, Sphere, SurfaceId};
+use super::neighbours::Groups;
+use crate::geometry::{Aabb, Cuboid, Cylinder, Layer, PrimId, Primitives, Shape, Sphere, SurfaceId};
 
 /// Cosine of the largest angle between the faces of a film: 1e-3 rad.
 pub const PARALLEL: f64 = 1.0 - 0.5e-6;
 /// The same angle, radians.
-const TILT: f64 = 1e-3;
+pub(super) const TILT: f64 = 1e-3;
 
 /// A bit per face, per primitive.
 #[derive(Clone, Debug, Default)]
@@ -79,16 +80,13 @@ impl Marks {
 
     fn mark_bounded(&mut self, primitives: &Primitives, reach: f64, wavelength: f64) {
         let count = primitives.bounded_count() as u32;
-        let boxes: Vec<Aabb> = (0..count).map(|i| primitives.bounds(PrimId(i))).collect();
-        let pairs = Pairs::new(&boxes);
-        let bounded: Vec<Vec<Face>> = (0..count).map(|i| faces(primitives, PrimId(i)).collect()).collect();
+        let bounded: Vec<Face> = (0..count).flat_map(|i| faces(primitives, PrimId(i))).collect();
         let levels = (count..primitives.len() as u32).flat_map(|i| faces(primitives, PrimId(i)));
         let levels: Vec<Face> = levels.collect();
-        for face in bounded.iter().flatten() {
-            let mut parallel = false;
-            pairs.overlapping(&face.seen(reach, wavelength), |j| {
-                parallel = parallel || bounded[j].iter().any(|other| face.parallel_to(other, reach, wavelength));
-            });
+        let groups = Groups::new(&bounded);
+        let searches = groups.searches();
+        for face in &bounded {
+            let mut parallel = searches.any(face, reach, wavelength);
             if face.may_face_a_level(wavelength) {
                 for level in levels.iter().filter(|l| face.parallel_to(l, reach, wavelength)) {
                     parallel = true;
@@ -104,7 +102,7 @@ impl Marks {
 }
 
 /// A face with its form.
-struct Face {
+pub(super) struct Face {
     prim: PrimId,
     number: u8,
     surface: SurfaceId,
@@ -122,7 +120,7 @@ enum Form {
     Mantle(Cylinder),
 }
 
-fn faces(primitives: &Primitives, prim: PrimId) -> impl Iterator<Item = Face> {
+pub(super) fn faces(primitives: &Primitives, prim: PrimId) -> impl Iterator<Item = Face> {
     let surfaces = primitives.faces(prim);
     let mut out: Vec<Face> = Vec::with_capacity(surfaces.len());
     for (number, &surface) in surfaces.iter().enumerate() {
@@ -169,7 +167,7 @@ fn rectangle(b: &Cuboid, number: u8) -> Vec<DVec3> {
 impl Face {
     /// Bounds of everything that could be parallel to it: what lies within `reach` along the normal on either
     /// side, or, for a strongly curved face, what could share its centre.
-    fn seen(&self, reach: f64, wavelength: f64) -> Aabb {
+    pub(super) fn seen(&self, reach: f64, wavelength: f64) -> Aabb {
         match &self.form {
             Form::Planar { normal, outline } => {
                 Aabb::around(outline.iter().flat_map(|&p| [p - reach * *normal, p + reach * *normal]))
@@ -191,7 +189,13 @@ impl Face {
             || self.flat_spot() >= wavelength
     }
 
-    fn parallel_to(&self, other: &Self, reach: f64, wavelength: f64) -> bool {
+    /// The normal of a plane face.
+    pub(super) fn normal(&self) -> Option<DVec3> {
+        if let Form::Planar { normal, .. } = &self.form { Some(*normal) } else { None }
+    }
+
+    /// Whether light that meets this face may meet the other as the next of a stack.
+    pub(super) fn parallel_to(&self, other: &Self, reach: f64, wavelength: f64) -> bool {
         if self.surface == other.surface {
             return false;
         }

@@ -18,6 +18,8 @@ pub struct Panel {
     pub curves: Vec<Curve>,
     /// Lowest and highest y, where not those of the curves.
     pub y_range: Option<(f64, f64)>,
+    /// Whether y is drawn in decades, three of them unless there is a range; what is less lies on the axis.
+    pub is_log: bool,
 }
 
 /// One curve.
@@ -67,7 +69,27 @@ impl Panel {
 
     fn y_range(&self) -> (f64, f64) {
         let (_, high) = range(self.curves.iter().flat_map(|c| c.points(2.0)).map(|p| p.1));
-        self.y_range.unwrap_or((0.0, if high > 1e-9 { 1.08 * high } else { 1.0 }))
+        let top = if high > 1e-9 { 1.08 * high } else { 1.0 };
+        self.y_range.unwrap_or(if self.is_log { (1e-3 * top, 1.5 * top) } else { (0.0, top) })
+    }
+
+    /// The corner in which a legend hides least.
+    fn corner(&self, (left, right): (f64, f64), (bottom, top): (f64, f64)) -> SeriesLabelPosition {
+        let hidden = |p: &(f64, f64)| p.1 > bottom + 0.6 * (top - bottom);
+        let high =
+            self.curves.iter().flat_map(|c| c.points(0.0)).map(|p| (p.0, self.height(p.1, bottom))).filter(hidden);
+        let (mut on_left, mut on_right) = (0, 0);
+        for (x, _) in high {
+            let part = (x - left) / (right - left);
+            on_left += usize::from(part < 0.45);
+            on_right += usize::from(part > 0.55);
+        }
+        if on_left < on_right { SeriesLabelPosition::UpperLeft } else { SeriesLabelPosition::UpperRight }
+    }
+
+    /// Where a value is drawn, not below `bottom`.
+    fn height(&self, y: f64, bottom: f64) -> f64 {
+        if self.is_log { y.max(f64::MIN_POSITIVE).log10().max(bottom) } else { y }
     }
 }
 
@@ -84,7 +106,9 @@ pub(super) fn evenly(count: usize, most: usize) -> impl Iterator<Item = usize> {
 
 /// Draws a panel.
 pub(super) fn draw(area: &Area<'_>, panel: &Panel) -> Drawn {
-    let ((left, right), (bottom, top)) = (panel.x_range(), panel.y_range());
+    let ((left, right), (low, high)) = (panel.x_range(), panel.y_range());
+    let (bottom, top) = if panel.is_log { (low.log10(), high.log10()) } else { (low, high) };
+    let drawn = |p: (f64, f64)| (p.0, panel.height(p.1, bottom));
     let mut chart = ChartBuilder::on(area)
         .caption(&panel.title, (FONT, 18))
         .margin(10)
@@ -95,16 +119,18 @@ pub(super) fn draw(area: &Area<'_>, panel: &Panel) -> Drawn {
     let whole = |x: &f64| format!("{x:.0}");
     let mut mesh = chart.configure_mesh();
     mesh.x_desc(&panel.x_name).y_desc(&panel.y_name).x_labels(7).light_line_style(WHITE).label_style((FONT, 13));
-    if right - left >= 10.0 { mesh.x_label_formatter(&whole) } else { &mut mesh }.draw()?;
+    let power = |y: &f64| format!("{:.1e}", 10f64.powf(*y));
+    let mesh = if panel.is_log { mesh.y_label_formatter(&power) } else { &mut mesh };
+    if right - left >= 10.0 { mesh.x_label_formatter(&whole) } else { mesh }.draw()?;
     let named: Vec<usize> = evenly(panel.curves.len(), MOST_NAMED).collect();
     for (i, curve) in panel.curves.iter().enumerate() {
         let by_rank = shade(0.85 * i as f64 / (panel.curves.len() - 1).max(1) as f64);
         let color = curve.color.map_or(by_rank, |(r, g, b)| RGBColor(r, g, b));
         if curve.y.iter().any(|e| known(e.se) > 0.0) {
-            let band: Vec<(f64, f64)> = curve.points(2.0).chain(curve.points(-2.0).rev()).collect();
+            let band: Vec<(f64, f64)> = curve.points(2.0).chain(curve.points(-2.0).rev()).map(drawn).collect();
             chart.draw_series(std::iter::once(Polygon::new(band, color.mix(0.25).filled())))?;
         }
-        let (line, points) = (color.stroke_width(2), curve.points(0.0));
+        let (line, points) = (color.stroke_width(2), curve.points(0.0).map(drawn));
         let size = if curve.x.len() <= FEW { 3 } else { 0 };
         let series = if curve.dashed {
             chart.draw_series(DashedLineSeries::new(points, 6, 5, line))?
@@ -116,9 +142,12 @@ pub(super) fn draw(area: &Area<'_>, panel: &Panel) -> Drawn {
             series.label(&curve.name[..]).legend(move |(x, y)| PathElement::new([(x, y), (x + to, y)], line));
         }
     }
+    if panel.curves.iter().all(|c| c.name.is_empty()) {
+        return Ok(());
+    }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
+        .position(panel.corner((left, right), (bottom, top)))
         .background_style(WHITE.mix(0.8))
         .border_style(BLACK.mix(0.2))
         .label_font((FONT, 13))
