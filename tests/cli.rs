@@ -252,7 +252,16 @@ fn wrong_usage_says_what_is_wrong_and_how_to_mend_it() {
             "--polarization mueller needs what --effects -polarization leaves out",
         ),
         (&["explain", "--mesh", FEATHER, "--spread", "100"], "--spread 100: expected 0 to 90 degrees"),
+        (&["--json"], "give --mesh FILE.obj or --sample FILE.toml"),
+        (&["scan"], "give --mesh FILE.obj or --sample FILE.toml"),
+        (&["scan", "none.nc"], "none.nc: cannot be read"),
+        (&["scan", FEATHER], "this is no result of gonio-embree, or it is damaged"),
+        (&["scan", "x.nc", "--mesh", FEATHER], "cannot be used with"),
+        (&["scan", "--mesh", FEATHER, "--exit", "-95:90:5"], "exit angle -95°: expected −90 to 90"),
+        (&["scan", "--mesh", FEATHER, "--aperture", "0"], "aperture 0°: expected more than 0"),
         (&["generate", "bricks", "-o", "x.mtl"], "name the mesh FILE.obj"),
+        (&["generate", "bricks", "-o", "x.gsf"], "name the mesh FILE.obj, or the sample FILE.toml"),
+        (&["generate", "rough", "-o", "x.gsf", "--size", "4,4"], "expected at least eight times the length"),
         (&["generate", "bricks", "-o", "x.obj", "--shell", "1,1,1"], "less than half"),
         (&["generate", "web", "-o", "x.txt"], "name the mesh FILE.obj, or the sample FILE.toml"),
         (&["generate", "web", "-o", "x.toml", "--radius=-1"], "radius = -1: expected a length greater than 0"),
@@ -325,6 +334,46 @@ fn a_plan_is_explained_effect_by_effect() {
     }
     assert!(json["state"].is_string() && json["estimated_seconds"].as_f64().unwrap() > 0.0);
     assert!(desk.names().is_empty(), "nothing is measured: {:?}", desk.names());
+}
+
+/// From the sample itself and from its result; in the mirror direction there is all that a pane reflects.
+#[test]
+fn a_scan_is_what_scripts_expect_it_to_be() {
+    let desk = Desk::new("scan");
+    let output = desk.run(&["generate", "rough", "--rms", "200nm", "--size", "16,16", "--points", "64", "-o", "r.gsf"]);
+    assert_eq!(code(&output), Some(0), "{}", errors(&output));
+    let relief = "[media]\nglass = 1.5\n[[object]]\nshape = \"height_field\"\nfile = \"r.gsf\"\nmedium = \"glass\"\n";
+    desk.write("rough.toml", &format!("[sample]\nbelow = \"glass\"\n{relief}"));
+    let sample = ["--sample", "rough.toml", "--incident", "30", "--wavelengths", "500,600", "--trees", "20k"];
+    let output = desk.run(&[&sample[..], &["-o", "rough.nc"]].concat());
+    assert_eq!(code(&output), Some(0), "{}", errors(&output));
+    let arm = ["--exit", "-60:60:20", "--aperture", "16", "--csv"];
+    let here = desk.run(
+        &[&["scan"][..], &sample[..4], &["--wavelength", "500", "--trees", "20k"], &arm, &["-o", "s.svg"]].concat(),
+    );
+    let stored = desk.run(&[&["scan", "rough.nc", "--wavelength", "500"][..], &arm].concat());
+    let values = |output: &Output| -> Vec<[f64; 3]> {
+        assert_eq!(code(output), Some(0), "{}", errors(output));
+        let text = String::from_utf8(output.stdout.clone()).unwrap();
+        let mut lines = text.lines();
+        assert_eq!(lines.next(), Some("angle_deg,value,se"));
+        let row = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>().try_into().unwrap();
+        lines.map(row).collect()
+    };
+    let (here, stored) = (values(&here), values(&stored));
+    assert_eq!(here.iter().map(|v| v[0]).collect::<Vec<_>>(), [-60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]);
+    for ([angle, a, se], [_, b, other]) in here.iter().zip(&stored) {
+        assert!((a - b).abs() < 6.0 * se.hypot(*other) + 0.2 * a, "{angle}°: {a} ± {se}, {b} ± {other}");
+    }
+    let most = here.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    assert!(most[0] > 0.0 && most[1] > 3.0 * here[0][1], "light goes to the mirror side: {here:?}");
+    assert!(String::from_utf8(desk.read("s.svg")).unwrap().contains("exit angle"));
+    // Of both wavelengths there are both.
+    let both = desk.run(&[&["scan", "rough.nc"][..], &arm].concat());
+    let text = String::from_utf8(both.stdout).unwrap();
+    assert!(text.starts_with("theta_i_deg,phi_i_deg,wavelength_nm,angle_deg,value,se\n") && text.lines().count() == 15);
+    let missing = desk.run(&["scan", "rough.nc", "--wavelength", "550"]);
+    assert!(code(&missing) == Some(2) && errors(&missing).contains("550 was not measured; there are 500, 600"));
 }
 
 #[test]

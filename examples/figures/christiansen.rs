@@ -90,7 +90,7 @@ pub fn filter(effort: Effort) -> Result<Figure> {
     let nm = grid();
     let light = light(&nm, &[(0.0, 0.0)], Polarization::Unpolarized, SourceMode::Band)?;
     let arm = gonio_embree::bsdf::Arm { angles_deg: vec![0.0], aperture_deg: CONE, below: true };
-    let trees = effort.pick(20_000, 400_000);
+    let trees = effort.pick(20_000, 200_000);
     let outcome = measure_file(FILE, &light, &Settings { trees, arm: Some(arm.clone()), ..Settings::default() })?;
     let scattering = &outcome.bsdf.incidences[0];
     let apertures = arm.apertures(&scattering.incidence);

@@ -94,7 +94,7 @@ fn panel(title: &str, curves: Vec<Curve>) -> Panel {
 const MIRROR: (f64, f64) = (74.0, 76.0);
 
 pub fn webs(effort: Effort) -> Result<Figure> {
-    let (seeds, trees) = effort.pick((4, 5000), (20, 40_000));
+    let (seeds, trees) = effort.pick((4, 5000), (20, 20_000));
     let mut csv = Table::new(&["web", "light", "angle_deg", "BRDF", "SE"]);
     let (mut panels, mut finds, mut signs) = (Vec::new(), Vec::new(), Vec::new());
     for (name, file) in [("fully oriented", "web-oriented.toml"), ("15°", "web-15.toml"), ("random", "web-random.toml")]
@@ -153,7 +153,7 @@ fn rise(series: &Series) -> Estimate {
 }
 
 pub fn coating(effort: Effort) -> Result<Figure> {
-    let (seeds, trees) = effort.pick((5, 20_000), (20, 60_000));
+    let (seeds, trees) = effort.pick((5, 20_000), (20, 30_000));
     let mut csv = Table::new(&["sheet", "light", "angle_deg", "BRDF", "SE"]);
     let (mut curves, mut finds, mut claims) = ([Vec::new(), Vec::new()], Vec::new(), Vec::new());
     for (name, file) in [("coated", "web-coated.toml"), ("bare", "web-oriented.toml")] {
