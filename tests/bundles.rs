@@ -125,8 +125,8 @@ fn light_that_sees_nothing_goes_straight_on() {
     let mut build = Build::within(1.0);
     let (glass, liquid) = (build.cauchy(1.585, 4480.0), build.cauchy(1.535, 18_000.0));
     (build.0.above, build.0.below) = (liquid.clone(), liquid);
-    let balls = (0..20).map(|i| ball([f64::from(i % 5 - 2) * 4.1, 0.0, 9.0 * f64::from(i / 5)], 4.0));
-    let build = balls.fold(build.open().patch(20.0, 6.0), |b, ball| b.fill(ball, Fill::Medium(glass.clone())));
+    let balls = (0..20).map(|i| ball([f64::from(i % 5 - 2) * 4.1, 0.0, 4.5 * f64::from(i / 5)], 2.0));
+    let build = balls.fold(build.open().patch(20.0, 4.0), |b, ball| b.fill(ball, Fill::Medium(glass.clone())));
     let nm: Vec<f64> = (0..20).map(|i| 400.0 + 15.0 * f64::from(i)).collect();
     let light = light(&nm, &[(0.0, 0.0), (50.0, 40.0)], Polarization::Unpolarized);
     for (theta, ledger, _) in run(&build, &light, &settings(5000)) {

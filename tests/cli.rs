@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use gonio_embree::output::netcdf;
 use gonio_embree::sample::Description;
 use gonio_embree::sample::description::Sides;
-use gonio_embree::sample::generate::export;
+use gonio_embree::sample::generate::export::{self, Fineness};
 use gonio_embree::sample::obj::Options;
 use gonio_embree::units::LengthUnit;
 use serde_json::Value;
@@ -336,11 +336,41 @@ fn a_plan_is_explained_effect_by_effect() {
     assert!(desk.names().is_empty(), "nothing is measured: {:?}", desk.names());
 }
 
+#[test]
+fn measured_heights_become_a_sample_file_a_mesh_or_other_heights() {
+    let desk = Desk::new("heights");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/samples/good/_hills.png");
+    let of = |out: &str| {
+        let heights = ["--file", file, "--pixel", "500nm", "--height", "0,2um"];
+        desk.run(&[&["generate", "height-field"][..], &heights, &["-o", out]].concat())
+    };
+    for out in ["h.toml", "h.obj", "h.gsf"] {
+        let output = of(out);
+        assert_eq!(code(&output), Some(0), "{out}: {}", errors(&output));
+    }
+    let heights = |file: &str| {
+        let description = Description::from_toml(&desk.0.join(file)).unwrap();
+        export::to_obj("", &description.objects, "h.mtl", Fineness { sides: 3, same_volume: false }).unwrap()
+    };
+    desk.write("again.toml", "[[object]]\nshape = \"height_field\"\nfile = \"h.gsf\"\nmedium = \"fused silica\"\n");
+    let corners = |text: &str| -> Vec<f64> {
+        let lines = text.lines().filter(|l| l.starts_with("v "));
+        lines.flat_map(|l| l[2..].split(' ').map(|x| x.parse().unwrap()).collect::<Vec<f64>>()).collect()
+    };
+    let (a, b) = (corners(&heights("h.toml")), corners(&heights("again.toml")));
+    // A Gwyddion file has single precision, and a middle of its own.
+    assert!(a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-5), "{a:?}\n{b:?}");
+    let measured = desk.run(&["--sample", "h.toml", "--wavelengths", "550", "--trees", "500", "--json"]);
+    assert_eq!(code(&measured), Some(0), "{}", errors(&measured));
+    let missing = desk.run(&["generate", "height-field", "--file", file, "-o", "x.toml"]);
+    assert!(code(&missing) == Some(2) && errors(&missing).contains("pixel"), "{}", errors(&missing));
+}
+
 /// From the sample itself and from its result; in the mirror direction there is all that a pane reflects.
 #[test]
 fn a_scan_is_what_scripts_expect_it_to_be() {
     let desk = Desk::new("scan");
-    let output = desk.run(&["generate", "rough", "--rms", "200nm", "--size", "16,16", "--points", "64", "-o", "r.gsf"]);
+    let output = desk.run(&["generate", "rough", "--rms", "600nm", "--size", "16,16", "--points", "64", "-o", "r.gsf"]);
     assert_eq!(code(&output), Some(0), "{}", errors(&output));
     let relief = "[media]\nglass = 1.5\n[[object]]\nshape = \"height_field\"\nfile = \"r.gsf\"\nmedium = \"glass\"\n";
     desk.write("rough.toml", &format!("[sample]\nbelow = \"glass\"\n{relief}"));
@@ -363,10 +393,10 @@ fn a_scan_is_what_scripts_expect_it_to_be() {
     let (here, stored) = (values(&here), values(&stored));
     assert_eq!(here.iter().map(|v| v[0]).collect::<Vec<_>>(), [-60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]);
     for ([angle, a, se], [_, b, other]) in here.iter().zip(&stored) {
-        assert!((a - b).abs() < 6.0 * se.hypot(*other) + 0.2 * a, "{angle}°: {a} ± {se}, {b} ± {other}");
+        assert!((a - b).abs() <= 6.0 * se.hypot(*other) + 0.2 * a, "{angle}°: {a} ± {se}, {b} ± {other}");
     }
     let most = here.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
-    assert!(most[0] > 0.0 && most[1] > 3.0 * here[0][1], "light goes to the mirror side: {here:?}");
+    assert!(most[0] > 0.0 && most[1] > 2.0 * here[0][1], "light goes to the mirror side: {here:?}");
     assert!(String::from_utf8(desk.read("s.svg")).unwrap().contains("exit angle"));
     // Of both wavelengths there are both.
     let both = desk.run(&[&["scan", "rough.nc"][..], &arm].concat());

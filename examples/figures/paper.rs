@@ -195,7 +195,8 @@ pub fn coating(effort: Effort) -> Result<Figure> {
         }
     }
     let [along, across] = curves;
-    let panels = [panel("light along the machine direction", along), panel("light across", across)];
+    let mut panels = [panel("light along the machine direction", along), panel("light across", across)];
+    panels.iter_mut().for_each(|p| p.y_range = Some((0.05, 200.0)));
     Ok(Figure {
         title: "a web with and without calcium carbonate".into(),
         made_of: format!(

@@ -4,6 +4,7 @@ use plotters::prelude::*;
 
 use super::{Area, Drawn, FONT, shade};
 use crate::dome::Estimate;
+use crate::units::significant;
 
 /// Curves over one axis.
 #[derive(Clone, Debug, Default)]
@@ -119,7 +120,7 @@ pub(super) fn draw(area: &Area<'_>, panel: &Panel) -> Drawn {
     let whole = |x: &f64| format!("{x:.0}");
     let mut mesh = chart.configure_mesh();
     mesh.x_desc(&panel.x_name).y_desc(&panel.y_name).x_labels(7).light_line_style(WHITE).label_style((FONT, 13));
-    let power = |y: &f64| format!("{:.1e}", 10f64.powf(*y));
+    let power = |y: &f64| significant(10f64.powf(*y), 2);
     let mesh = if panel.is_log { mesh.y_label_formatter(&power) } else { &mut mesh };
     if right - left >= 10.0 { mesh.x_label_formatter(&whole) } else { mesh }.draw()?;
     let named: Vec<usize> = evenly(panel.curves.len(), MOST_NAMED).collect();

@@ -29,12 +29,16 @@ pub enum Form {
     Medium,
     /// The index of the medium of this name.
     Index(&'static str),
+    /// A file, which the sample file names from wherever it is.
+    File,
 }
 
 /// A kind of generated samples.
 pub trait Kind {
     /// Its name in the sample file.
     const NAME: &'static str;
+    /// What the sample file says of it: a rule, unless it is an object.
+    const TABLE: (&'static str, &'static str) = ("generate", "kind");
     /// Its parameters.
     const KEYS: &'static [&'static [Key]];
 }
@@ -283,6 +287,36 @@ impl Kind for Rough {
         ),
         key("seed", Some("1"), "N", "Seed: the same one gives the same sample"),
         key("priority", Some("0"), "N", "Where bodies overlap those of higher priority win"),
+        medium("medium", Some("glass=1.5"), "Medium below the surface, with its index or file unless it is built in"),
+    ]];
+}
+
+/// Measured heights: Gwyddion .gsf, ISO 25178 .sdf, ESRI .asc, grey PNG and TIFF
+#[derive(Debug)]
+pub struct HeightField;
+
+impl Kind for HeightField {
+    const NAME: &'static str = "height_field";
+    const TABLE: (&'static str, &'static str) = ("object", "shape");
+    const KEYS: &'static [&'static [Key]] = &[&[
+        Key {
+            name: "file",
+            default: None,
+            value: "FILE",
+            help: "The heights: .gsf, .sdf, .asc, .png or .tif [required]",
+            form: Form::File,
+        },
+        key("pixel", None, "LENGTH|X,Y", "Distance of neighbouring heights [required for pictures]"),
+        key("height", None, "Z|LOW,HIGH", "Height of white over black, or heights of both [required for pictures]"),
+        key("scale-z", None, "FACTOR", "By what the heights are multiplied"),
+        key("fill", None, "LENGTH", "Height where none was measured"),
+        key("base", None, "LENGTH", "Height of what the file calls 0"),
+        key(
+            "bottom",
+            None,
+            "LENGTH",
+            "Depth of the floor below the lowest height [default: the range of heights, or 1 µm]",
+        ),
         medium("medium", Some("glass=1.5"), "Medium below the surface, with its index or file unless it is built in"),
     ]];
 }

@@ -12,7 +12,7 @@ use gonio_embree::sample::generate::export::{self, Fineness};
 use gonio_embree::sample::{Description, Sample};
 use gonio_embree::units::significant;
 
-use self::keys::{Bricks, Flakes, Given, Mosaic, Packing, Rough, Web};
+use self::keys::{Bricks, Flakes, Given, HeightField, Mosaic, Packing, Rough, Web};
 use super::{Failure, tell, write};
 
 /// What to make.
@@ -30,6 +30,8 @@ pub enum Kind {
     Mosaic(Given<Mosaic>),
     /// A random rough surface; also as a file of heights, FILE.gsf
     Rough(Given<Rough>),
+    /// A body under measured heights; also as a file of heights, FILE.gsf
+    HeightField(Given<HeightField>),
 }
 
 /// Makes it.
@@ -41,12 +43,13 @@ pub fn run(kind: &Kind) -> Result<(), Failure> {
         Kind::Flakes(given) => make(given),
         Kind::Mosaic(given) => make(given),
         Kind::Rough(given) => make(given),
+        Kind::HeightField(given) => make(given),
     }
 }
 
 fn make<K: keys::Kind>(given: &Given<K>) -> Result<(), Failure> {
     let extension = given.output.extension().and_then(|e| e.to_str());
-    let as_heights = K::NAME == "rough" && extension == Some("gsf");
+    let as_heights = matches!(K::NAME, "rough" | "height_field") && extension == Some("gsf");
     if !as_heights && !matches!(extension, Some("obj" | "toml")) {
         let library = extension == Some("mtl");
         let why = if library { "the .mtl file is for the materials; " } else { "" };
@@ -56,7 +59,7 @@ fn make<K: keys::Kind>(given: &Given<K>) -> Result<(), Failure> {
     let (description, generated) =
         Description::from_text(&format!("{head}{table}")).map_err(|e| Failure::Input(e.to_string()))?;
     check(&description)?;
-    let title = generated.first().map(|g| g.title(description.sides)).unwrap_or_default();
+    let title = generated.first().map_or_else(|| K::NAME.replace('_', " "), |g| g.title(description.sides));
     let size = size(&description);
     if as_heights {
         return write_heights(given, &description);

@@ -13,7 +13,7 @@ pub fn head<K: Kind>(given: &Given<K>) -> String {
     let mut out = format!("[sample]\nabove = \"air\"\nbelow = \"air\"\npatch = {{ sides = \"{sides}\" }}\n\n[media]\n");
     for (key, value) in &given.values {
         let (name, index) = match key.form {
-            Form::Value => continue,
+            Form::Value | Form::File => continue,
             Form::Index(name) => (name, value.as_str()),
             Form::Medium => match value.split_once('=') {
                 Some((name, index)) => (name.trim(), index.trim()),
@@ -28,11 +28,13 @@ pub fn head<K: Kind>(given: &Given<K>) -> String {
 
 /// The table of the generator, every key with what it means.
 pub fn table<K: Kind>(given: &Given<K>) -> String {
-    let mut out = format!("[[generate]]\nkind = \"{}\"\n", K::NAME);
+    let (table, key) = K::TABLE;
+    let mut out = format!("[[{table}]]\n{key} = \"{}\"\n", K::NAME);
     for (key, value) in &given.values {
         let value = match key.form {
             Form::Value => literal(value),
             Form::Medium => format!("{:?}", value.split_once('=').map_or(value.as_str(), |(name, _)| name).trim()),
+            Form::File => format!("{:?}", std::path::absolute(value).unwrap_or_else(|_| value.into())),
             Form::Index(_) => continue,
         };
         let entry = format!("{} = {value}", key.name.replace('-', "_"));
