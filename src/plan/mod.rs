@@ -2,6 +2,7 @@
 //! pilot finds.
 
 mod effects;
+mod face;
 pub mod features;
 pub mod films;
 mod limits;
@@ -13,6 +14,7 @@ use crate::light::{Light, Polarization};
 use crate::optics::C64;
 use crate::sample::{MediumTable, Sample};
 pub use effects::{Effect, Name};
+pub use face::PARALLEL;
 use features::Features;
 pub use films::{Edges, FilmRules, Probe};
 pub use limits::{DOME_LEVEL, Limits};

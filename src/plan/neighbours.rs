@@ -4,7 +4,7 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use super::stacks::{Face, TILT};
+use super::face::{Face, TILT};
 use crate::geometry::{Aabb, Pairs};
 
 /// Width of a cell of directions: what is parallel is in the same cell or in one beside it.
@@ -123,7 +123,7 @@ impl Searches<'_, '_> {
 mod tests {
     use super::*;
     use crate::geometry::{Builder, Cuboid, PrimId, Shape, Sphere, Triangle};
-    use crate::plan::stacks::faces;
+    use crate::plan::face::faces;
     use rand::rngs::Xoshiro256PlusPlus;
     use rand::{RngExt, SeedableRng};
 

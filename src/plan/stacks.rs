@@ -2,15 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use glam::{DVec2, DVec3};
-
+use super::face::{Face, faces};
 use super::neighbours::Groups;
-use crate::geometry::{Aabb, Cuboid, Cylinder, Layer, PrimId, Primitives, Shape, Sphere, SurfaceId};
-
-/// Cosine of the largest angle between the faces of a film: 1e-3 rad.
-pub const PARALLEL: f64 = 1.0 - 0.5e-6;
-/// The same angle, radians.
-pub(super) const TILT: f64 = 1e-3;
+use crate::geometry::{Layer, PrimId, Primitives, Shape};
 
 /// A bit per face, per primitive.
 #[derive(Clone, Debug, Default)]
@@ -101,196 +95,12 @@ impl Marks {
     }
 }
 
-/// A face with its form.
-pub(super) struct Face {
-    prim: PrimId,
-    number: u8,
-    surface: SurfaceId,
-    form: Form,
-}
-
-enum Form {
-    Planar {
-        normal: DVec3,
-        outline: Vec<DVec3>,
-    },
-    /// z = height, everywhere.
-    Level(f64),
-    Sphere(Sphere),
-    Mantle(Cylinder),
-}
-
-pub(super) fn faces(primitives: &Primitives, prim: PrimId) -> impl Iterator<Item = Face> {
-    let surfaces = primitives.faces(prim);
-    let mut out: Vec<Face> = Vec::with_capacity(surfaces.len());
-    for (number, &surface) in surfaces.iter().enumerate() {
-        if surface == SurfaceId::NONE {
-            continue;
-        }
-        let number = number as u8;
-        let form = match primitives.shape(prim) {
-            Shape::Triangle(t) => planar(primitives, surface, primitives.corners(t).to_vec()),
-            Shape::Sphere(s) => Form::Sphere(s),
-            Shape::Cylinder(c) if number == Cylinder::MANTLE => Form::Mantle(c),
-            Shape::Cylinder(c) => planar(primitives, surface, end(&c, number)),
-            Shape::Cuboid(b) => planar(primitives, surface, rectangle(&b, number)),
-            Shape::Layer(l) => Form::Level(if number == Layer::TOP { l.top } else { l.bottom }),
-        };
-        out.push(Face { prim, number, surface, form });
-    }
-    out.into_iter()
-}
-
-fn planar(primitives: &Primitives, surface: SurfaceId, outline: Vec<DVec3>) -> Form {
-    let normal = primitives.plane(surface).map_or(DVec3::Z, |p| p.normal);
-    Form::Planar { normal, outline }
-}
-
-/// The rectangle around an elliptic end.
-fn end(c: &Cylinder, number: u8) -> Vec<DVec3> {
-    let center = if number == Cylinder::FIRST_END { c.from } else { c.from + c.length * c.axis };
-    let (a, b) = (c.radii[0] * c.u, c.radii[1] * c.v());
-    vec![center - a - b, center + a - b, center + a + b, center - a + b]
-}
-
-fn rectangle(b: &Cuboid, number: u8) -> Vec<DVec3> {
-    let axis = usize::from(number / 2);
-    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-    let corner = |p: DVec3, q: DVec3| {
-        let mut c = b.corner(number);
-        (c[i], c[j]) = (p[i], q[j]);
-        c
-    };
-    vec![corner(b.min, b.min), corner(b.max, b.min), corner(b.max, b.max), corner(b.min, b.max)]
-}
-
-impl Face {
-    /// Bounds of everything that could be parallel to it: what lies within `reach` along the normal on either
-    /// side, or, for a strongly curved face, what could share its centre.
-    pub(super) fn seen(&self, reach: f64, wavelength: f64) -> Aabb {
-        match &self.form {
-            Form::Planar { normal, outline } => {
-                Aabb::around(outline.iter().flat_map(|&p| [p - reach * *normal, p + reach * *normal]))
-            }
-            Form::Level(z) => {
-                Aabb { min: DVec3::NEG_INFINITY.with_z(z - reach), max: DVec3::INFINITY.with_z(z + reach) }
-            }
-            Form::Sphere(s) if self.flat_spot() < wavelength => Aabb::around([s.center]),
-            Form::Sphere(s) => s.bounds().inflate(reach),
-            Form::Mantle(c) if self.flat_spot() < wavelength && c.length.is_finite() => {
-                Aabb::around([c.from, c.from + c.length * c.axis])
-            }
-            Form::Mantle(c) => c.bounds().inflate(reach),
-        }
-    }
-
-    fn may_face_a_level(&self, wavelength: f64) -> bool {
-        matches!(&self.form, Form::Planar { normal, .. } if normal.z.abs() >= PARALLEL)
-            || self.flat_spot() >= wavelength
-    }
-
-    /// The normal of a plane face.
-    pub(super) fn normal(&self) -> Option<DVec3> {
-        if let Form::Planar { normal, .. } = &self.form { Some(*normal) } else { None }
-    }
-
-    /// Whether light that meets this face may meet the other as the next of a stack.
-    pub(super) fn parallel_to(&self, other: &Self, reach: f64, wavelength: f64) -> bool {
-        if self.surface == other.surface {
-            return false;
-        }
-        match (&self.form, &other.form) {
-            (Form::Planar { normal, outline }, Form::Planar { normal: n, outline: o }) => {
-                normal.dot(*n).abs() >= PARALLEL
-                    && gap(*normal, outline, o) <= reach
-                    && outlines_overlap(*normal, outline, o)
-            }
-            (Form::Planar { normal, outline }, Form::Level(z)) | (Form::Level(z), Form::Planar { normal, outline }) => {
-                normal.z.abs() >= PARALLEL && outline.iter().any(|p| (p.z - z).abs() <= reach)
-            }
-            (Form::Level(a), Form::Level(b)) => (a - b).abs() <= reach,
-            (Form::Sphere(a), Form::Sphere(b)) => {
-                let concentric = a.center.distance(b.center) <= TILT * a.radius.min(b.radius);
-                concentric && (a.radius - b.radius).abs() <= reach
-            }
-            (Form::Mantle(a), Form::Mantle(b)) => coaxial(a, b, reach),
-            _ => {
-                self.prim != other.prim
-                    && self.flat_spot().max(other.flat_spot()) >= wavelength
-                    && self.is_near(other, reach)
-            }
-        }
-    }
-
-    /// The radius of a curved face (the first of a flattened one), µm.
-    fn radius(&self) -> Option<f64> {
-        match &self.form {
-            Form::Sphere(s) => Some(s.radius),
-            Form::Mantle(c) => Some(c.radii[0]),
-            _ => None,
-        }
-    }
-
-    /// How far one can go on a curved face until its normal has turned by the allowed tilt, µm.
-    fn flat_spot(&self) -> f64 {
-        match &self.form {
-            Form::Sphere(s) => TILT * s.radius,
-            Form::Mantle(c) => TILT * c.radii[0].max(c.radii[1]).powi(2) / c.radii[0].min(c.radii[1]),
-            _ => 0.0,
-        }
-    }
-
-    fn is_near(&self, other: &Self, reach: f64) -> bool {
-        self.seen(reach, 0.0).overlaps(other.seen(0.0, 0.0))
-    }
-}
-
-/// Smallest distance of two nearly parallel faces along the normal of the first, µm.
-fn gap(normal: DVec3, a: &[DVec3], b: &[DVec3]) -> f64 {
-    let range = |points: &[DVec3]| {
-        let heights = points.iter().map(|p| normal.dot(*p));
-        heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
-    };
-    let (a, b) = (range(a), range(b));
-    (a.0 - b.1).max(b.0 - a.1).max(0.0)
-}
-
-/// Whether two convex outlines overlap when seen along `normal`: by separating axes. Touching does not count.
-fn outlines_overlap(normal: DVec3, a: &[DVec3], b: &[DVec3]) -> bool {
-    let (u, v) = normal.any_orthonormal_pair();
-    let flat = |points: &[DVec3]| -> Vec<DVec2> { points.iter().map(|p| DVec2::new(p.dot(u), p.dot(v))).collect() };
-    let (a, b) = (flat(a), flat(b));
-    let separates = |axis: DVec2| {
-        let range = |points: &[DVec2]| {
-            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-                (low.min(p.dot(axis)), high.max(p.dot(axis)))
-            })
-        };
-        let (x, y) = (range(&a), range(&b));
-        let slack = 1e-12 * (x.1 - x.0 + y.1 - y.0);
-        x.1 <= y.0 + slack || y.1 <= x.0 + slack
-    };
-    let axes = |p: &[DVec2]| -> Vec<DVec2> { (0..p.len()).map(|i| (p[(i + 1) % p.len()] - p[i]).perp()).collect() };
-    !axes(&a).into_iter().chain(axes(&b)).any(separates)
-}
-
-/// Whether two mantles are shells of one another.
-fn coaxial(a: &Cylinder, b: &Cylinder, reach: f64) -> bool {
-    let between = b.from - a.from;
-    let off_axis = (between - between.dot(a.axis) * a.axis).length();
-    let smallest = a.radii.iter().chain(&b.radii).copied().fold(f64::INFINITY, f64::min);
-    let across = |c: &Cylinder, along: DVec3| {
-        // Half the width of the mantle along a direction.
-        (c.radii[0] * c.u.dot(along)).hypot(c.radii[1] * c.v().dot(along))
-    };
-    let near = [a.u, a.v()].into_iter().any(|d| (across(a, d) - across(b, d)).abs() <= reach);
-    a.axis.dot(b.axis).abs() >= PARALLEL && off_axis <= TILT * smallest && near
-}
-
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
-    use crate::geometry::Builder;
+    use crate::geometry::{Builder, Cuboid, Sphere};
 
     fn marks(shapes: &[Shape], reach: f64) -> Vec<u8> {
         let mut builder = Builder::default();

@@ -14,8 +14,8 @@ use crate::light::Coherence;
 use crate::optics::batch::Film;
 use crate::optics::fresnel::other_leg;
 use crate::optics::{C64, outgoing_root};
+use crate::plan::PARALLEL;
 use crate::plan::Probe;
-use crate::plan::stacks::PARALLEL;
 use crate::sample::{MediumId, Sample};
 
 /// A stack found under a point of a face.
