@@ -257,6 +257,7 @@ fn wrong_usage_says_what_is_wrong_and_how_to_mend_it() {
         (&["scan", "none.nc"], "none.nc: cannot be read"),
         (&["scan", FEATHER], "this is no result of gonio-embree, or it is damaged"),
         (&["scan", "x.nc", "--mesh", FEATHER], "cannot be used with"),
+        (&["scan", "x.nc", "--polarization", "s"], "cannot be used with"),
         (&["scan", "--mesh", FEATHER, "--exit", "-95:90:5"], "exit angle -95°: expected −90 to 90"),
         (&["scan", "--mesh", FEATHER, "--aperture", "0"], "aperture 0°: expected more than 0"),
         (&["generate", "bricks", "-o", "x.mtl"], "name the mesh FILE.obj"),

@@ -13,6 +13,31 @@ use super::progress::Line;
 use super::setup::{Scene, Setup};
 use super::{Failure, answer, tell, write};
 
+/// Options that a result has answered already.
+const FOR_A_SAMPLE: [&str; 19] = [
+    "mesh",
+    "sample",
+    "unit",
+    "sides",
+    "patch",
+    "medium",
+    "polarization",
+    "source_mode",
+    "coherence_length",
+    "trees",
+    "effects",
+    "probe",
+    "edges",
+    "spread",
+    "dome_level",
+    "depth",
+    "backend",
+    "threads",
+    "seed",
+];
+/// More lost light than this spoils a scan.
+const MOST_LOST: f64 = 1e-4;
+
 /// Options of `scan`.
 #[derive(Debug, Args)]
 #[command(
@@ -24,7 +49,7 @@ use super::{Failure, answer, tell, write};
 )]
 pub struct Options {
     /// A result; without it the sample is measured
-    #[arg(value_name = "FILE.nc", conflicts_with_all = ["mesh", "sample"])]
+    #[arg(value_name = "FILE.nc", conflicts_with_all = FOR_A_SAMPLE)]
     result: Option<PathBuf>,
     #[command(flatten)]
     setup: Setup,
@@ -58,8 +83,8 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<(), Failure> {
     let arm = Arm { angles_deg: options.exit.all.clone(), aperture_deg: options.aperture, below: options.below };
     arm.check().map_err(|e| Failure::Input(format!("--exit, --aperture: {e}")))?;
-    let scans = match &options.result {
-        Some(path) => options.stored(path, &arm)?,
+    let (scans, lost) = match &options.result {
+        Some(path) => (options.stored(path, &arm)?, 0.0),
         None => options.measured(arm)?,
     };
     answer(&if options.csv { output::csv(&scans) } else { output::table(&scans) })?;
@@ -69,17 +94,25 @@ pub fn run(options: &Options) -> Result<(), Failure> {
             tell(&format!("wrote {}", path.display()));
         }
     }
+    if lost > MOST_LOST {
+        return Err(Failure::Quality(format!(
+            "{lost:.2e} of the light was lost; a measurement without `scan` says to what"
+        )));
+    }
     Ok(())
 }
 
 impl Options {
-    fn measured(&self, arm: Arm) -> Result<Vec<Scan>, Failure> {
+    /// The scans, and the largest share of the light that was lost.
+    fn measured(&self, arm: Arm) -> Result<(Vec<Scan>, f64), Failure> {
         let Scene { light, sample, .. } = self.setup.scene()?;
         let settings = Settings { arm: Some(arm), ..self.setup.settings()? };
         let mut line = Line::new(self.quiet);
         let outcome = measure(&sample, &light, &settings, |p| line.show(&p, light.incidences.len()));
         line.clear();
-        Ok(outcome.map_err(|e| Failure::Cannot(e.to_string()))?.scans)
+        let outcome = outcome.map_err(|e| Failure::Cannot(e.to_string()))?;
+        let lost = outcome.bsdf.largest_loss();
+        Ok((outcome.scans, lost))
     }
 
     /// What is asked for of a result: all, unless the user says which.

@@ -54,7 +54,7 @@ pub struct Setup {
     #[arg(long, allow_hyphen_values = true, value_name = "ANGLES", help_heading = "Light")]
     pub azimuth: Option<Values>,
     /// Vacuum wavelengths in nm, same forms [default: 400:700:20]
-    #[arg(long, alias = "wavelength", value_name = "NM", help_heading = "Light")]
+    #[arg(long, visible_alias = "wavelength", value_name = "NM", help_heading = "Light")]
     pub wavelengths: Option<Values>,
     /// State of polarization: unpolarized, s, p, a Stokes vector 1,Q,U,V (Q = p − s), or mueller (all of them: the result
     /// has the 4×4 matrices)
