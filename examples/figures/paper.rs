@@ -135,7 +135,8 @@ pub fn webs(effort: Effort) -> Result<Figure> {
             .into(),
         finds,
         claims,
-        verdict: "Yes.".into(),
+        verdict: "Yes, at 75°. Across an oriented web there is no peak: the light grows towards the horizon, and at grazing exits there is more of it than at 75°."
+            .into(),
         svg: plot::panels("Simulated sheets under light from 75°", &panels),
         csv,
     })
@@ -188,7 +189,9 @@ pub fn coating(effort: Effort) -> Result<Figure> {
             });
             let beside = mean(&series.over(30.0, 50.0));
             claims.push(Claim::new(
-                format!("{name}, light {direction}: a peak on the mirror side"),
+                format!(
+                    "{name}, light {direction}: more light at 75° than from 30° to 50°, by more than 5 standard errors"
+                ),
                 mirror.value - beside.value > 5.0 * mirror.se.hypot(beside.se),
             ));
             curves.push(series.curve(name));
