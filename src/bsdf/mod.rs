@@ -1,11 +1,17 @@
 //! The result: spectral BRDF and BTDF with standard errors, and the energy ledger.
 
+mod lookup;
+mod reciprocity;
+mod sampling;
 mod scan;
 
 use crate::dome::{Entry, Estimate, Facet, Leaf, Measurement, Rule};
 use crate::light::{Incidence, Light};
 use crate::plan::Plan;
 
+pub use lookup::{Blend, Lookup, Part, turned};
+pub use reciprocity::Reciprocity;
+pub use sampling::{Drawn, Sampler};
 pub use scan::{Arm, Reading, Scan};
 
 /// Bidirectional scattering distribution function of a sample under a light.

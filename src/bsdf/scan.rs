@@ -146,7 +146,7 @@ impl Scattering {
     }
 
     /// Number of the facet of the adaptive dome that holds a facet at least as fine. They ascend along the dome.
-    fn facet_holding(&self, fine: Facet) -> Option<usize> {
+    pub(super) fn facet_holding(&self, fine: Facet) -> Option<usize> {
         let first = |f: Facet| f.code << (2 * (fine.level - f.level));
         let after = self.facets.partition_point(|f| first(f.facet) <= fine.code);
         after.checked_sub(1)

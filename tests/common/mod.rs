@@ -11,6 +11,7 @@ pub mod cones;
 pub mod listen;
 pub mod reference;
 pub mod stats;
+pub mod synthetic;
 
 /// A uniformly distributed direction.
 pub fn direction(rng: &mut Xoshiro256PlusPlus) -> DVec3 {
