@@ -3,8 +3,6 @@
 
 mod common;
 
-use std::f64::consts::PI;
-
 use common::synthetic::{ggx, result};
 use glam::DVec3;
 use gonio_embree::bsdf::{Lookup, Sampler, turned};
@@ -68,7 +66,8 @@ fn lobes_turn_with_the_light() {
         assert_eq!(lookup.is_isotropic(), azimuths.len() == 1);
         for phi in [0.0, 77.0, 190.0, 333.0] {
             let i = at(45.0, phi);
-            let (here, truth) = (lookup.at(&i).value(i.in_plane(45.0, false), 0).value, f(&i, i.in_plane(45.0, false), 0.0));
+            let (here, truth) =
+                (lookup.at(&i).value(i.in_plane(45.0, false), 0).value, f(&i, i.in_plane(45.0, false), 0.0));
             assert!((here / truth - 1.0).abs() < 0.05, "{phi}: {here} {truth}");
         }
     }
@@ -158,5 +157,5 @@ fn a_black_sample_gives_no_direction() {
 #[test]
 fn turning_keeps_the_height() {
     let d = turned(DVec3::new(0.6, 0.0, 0.8), 90.0);
-    assert!(d.distance(DVec3::new(0.0, 0.6, 0.8)) < 1e-15 && PI > 3.0);
+    assert!(d.distance(DVec3::new(0.0, 0.6, 0.8)) < 1e-15);
 }

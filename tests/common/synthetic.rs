@@ -30,7 +30,7 @@ pub fn result(
             value: wavelength_nm.iter().map(|&nm| value(points, nm)).collect(),
             mueller: Vec::new(),
         };
-        let facets = facets.iter().map(facet).collect();
+        let facets: Vec<FacetValue> = facets.iter().map(facet).collect();
         let straight_deg = vec![theta_deg; wavelength_nm.len()];
         let ledger = ledger(&facets, wavelength_nm.len(), specular);
         let (trees, segments) = (1000, 1000);
@@ -47,7 +47,7 @@ fn points(facet: Facet) -> Vec<(DVec3, f64)> {
     parts.map(|part| (part.center(), part.projected_solid_angle() / whole)).collect()
 }
 
-fn ledger(facets: &Vec<FacetValue>, wavelengths: usize, specular: f64) -> Ledger {
+fn ledger(facets: &[FacetValue], wavelengths: usize, specular: f64) -> Ledger {
     let exact = |value: f64| Estimate { value, se: 0.0 };
     let through = |up: bool, w: usize| {
         let side = facets.iter().filter(|f| (f.facet.center().z > 0.0) == up);
