@@ -29,6 +29,11 @@ pub fn one_of(words: &[&str]) -> String {
     }
 }
 
+/// Text as it stands in XML and HTML.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
 /// Makes an enumeration one that is written, and read, as one of some words.
 macro_rules! words {
     ($type:ty { $($variant:ident = $word:literal),+ $(,)? }) => {
@@ -61,5 +66,10 @@ mod tests {
         assert_eq!(one_of(&["a", "b", "c"]), "a, b or c");
         assert_eq!(one_of(&["a", "b"]), "a or b");
         assert_eq!(one_of(&["a"]), "a");
+    }
+
+    #[test]
+    fn marks_of_xml_are_written_as_names() {
+        assert_eq!(escaped("<a b=\"c\">&amp;"), "&lt;a b=&quot;c&quot;&gt;&amp;amp;");
     }
 }

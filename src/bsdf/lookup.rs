@@ -13,6 +13,7 @@ pub struct Lookup<'a> {
     bsdf: &'a Bsdf,
     locator: Locator,
     rings: Vec<Ring>,
+    isotropic: bool,
 }
 
 /// Incidences of one polar angle.
@@ -30,7 +31,8 @@ pub struct Part {
     pub incidence: usize,
     /// How much it counts; those of a [`Blend`] add up to 1.
     pub weight: f64,
-    /// Its azimuth less the one asked for, degrees: what it sent towards φ goes to φ − turn.
+    /// Its azimuth less the one asked for, degrees, if the sample is isotropic: what it sent towards φ goes to φ − turn. Of
+    /// other samples exits are taken as they are.
     pub turn_deg: f64,
 }
 
@@ -43,8 +45,7 @@ pub struct Blend<'a> {
 }
 
 impl<'a> Lookup<'a> {
-    /// For a result of at least one incidence. Of a polar angle that was measured from one azimuth only the sample is
-    /// taken to be isotropic.
+    /// For a result of at least one incidence. A sample that was measured from one azimuth only is taken to be isotropic.
     pub fn new(bsdf: &'a Bsdf) -> Self {
         let finest = bsdf.incidences.iter().flat_map(|s| &s.facets).map(|f| f.facet.level).max().unwrap_or(0);
         let mut rings: Vec<Ring> = Vec::new();
@@ -58,7 +59,8 @@ impl<'a> Lookup<'a> {
         }
         rings.sort_by(|a, b| a.theta_deg.total_cmp(&b.theta_deg));
         rings.iter_mut().for_each(|r| r.members.sort_by(|a, b| a.0.total_cmp(&b.0)));
-        Self { bsdf, locator: Locator::new(finest.min(FINEST_LEVEL)), rings }
+        let isotropic = rings.iter().all(|r| r.members.len() == 1);
+        Self { bsdf, locator: Locator::new(finest.min(FINEST_LEVEL)), rings, isotropic }
     }
 
     /// The result.
@@ -68,7 +70,7 @@ impl<'a> Lookup<'a> {
 
     /// Whether the sample was measured from one azimuth only, so that it counts as isotropic.
     pub fn is_isotropic(&self) -> bool {
-        self.rings.iter().all(|r| r.members.len() == 1)
+        self.isotropic
     }
 
     /// Greatest polar angle that was measured, degrees. What comes more grazing gets its values.
@@ -86,6 +88,9 @@ impl<'a> Lookup<'a> {
         let mut parts = Vec::with_capacity(4);
         low.add(incidence.phi_deg, 1.0 - share, &mut parts);
         high.add(incidence.phi_deg, share, &mut parts);
+        if !self.isotropic {
+            parts.iter_mut().for_each(|p| p.turn_deg = 0.0);
+        }
         Blend { lookup: self, incidence: *incidence, parts }
     }
 
@@ -137,23 +142,22 @@ impl<'a> Blend<'a> {
         &self.lookup.bsdf.incidences[part.incidence]
     }
 
-    /// The facets that stand for this exit direction, with their weights.
-    pub(super) fn facets(&self, exit: DVec3) -> impl Iterator<Item = (f64, &'a FacetValue)> + '_ {
-        self.parts
-            .iter()
-            .filter_map(move |p| self.lookup.facet(p.incidence, turned(exit, p.turn_deg)).map(|f| (p.weight, f)))
+    /// The facets that stand for this exit direction.
+    pub fn facets(&self, exit: DVec3) -> impl Iterator<Item = (&Part, &'a FacetValue)> {
+        let facet = move |p: &Part| self.lookup.facet(p.incidence, turned(exit, p.turn_deg));
+        self.parts.iter().filter_map(move |p| facet(p).map(|f| (p, f)))
     }
 
     /// BRDF (above the horizon) or BTDF (below) of the exit direction at a wavelength, by its number; 1/sr, without the
     /// specular and undeflected parts.
     pub fn value(&self, exit: DVec3, wavelength: usize) -> Estimate {
-        mean(self.facets(exit).map(|(weight, f)| (weight, f.value[wavelength])))
+        mean(self.facets(exit).map(|(p, f)| (p.weight, f.value[wavelength])))
     }
 
     /// The same for all wavelengths, without errors, added to `sum` with a weight.
     pub fn add_values(&self, exit: DVec3, weight: f64, sum: &mut [f64]) {
-        for (share, facet) in self.facets(exit) {
-            sum.iter_mut().zip(&facet.value).for_each(|(s, e)| *s += weight * share * e.value);
+        for (part, facet) in self.facets(exit) {
+            sum.iter_mut().zip(&facet.value).for_each(|(s, e)| *s += weight * part.weight * e.value);
         }
     }
 

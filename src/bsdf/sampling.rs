@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::lookup::turned;
-use super::{Blend, Lookup};
+use super::{Blend, FacetValue, Lookup, Part};
 use crate::dome::Facet;
 use crate::light::Incidence;
 
@@ -81,8 +81,8 @@ impl<'a> Sampler<'a> {
         if albedo == 0.0 {
             return 0.0;
         }
-        let of_facet = |(weight, f): (f64, &super::FacetValue)| {
-            let flux = weight * f.value[self.wavelength].value * f.facet.projected_solid_angle();
+        let of_facet = |(part, f): (&Part, &FacetValue)| {
+            let flux = part.weight * f.value[self.wavelength].value * f.facet.projected_solid_angle();
             flux.max(0.0) / f.facet.solid_angle()
         };
         self.blend.facets(exit).map(of_facet).sum::<f64>() / albedo

@@ -1,6 +1,7 @@
 //! The command line: what the user typed becomes a measurement, and the outcome an exit code.
 
 mod explain;
+mod export;
 mod film;
 mod generate;
 mod materials;
@@ -19,7 +20,7 @@ use std::sync::OnceLock;
 
 use clap::{Parser, Subcommand};
 use gonio_embree::intersect::choose::Backend;
-use gonio_embree::output::atomic;
+use gonio_embree::output::{Measured, atomic, netcdf};
 
 /// A virtual goniospectrophotometer: the spectral BRDF and BTDF of a sample from its microgeometry, with error bars.
 #[derive(Debug, Parser)]
@@ -48,6 +49,8 @@ enum Command {
     Explain(explain::Options),
     /// What a detector reads that goes through the plane of incidence, from a result or from the sample itself
     Scan(scan::Options),
+    /// A result in the format of another program
+    Export(export::Options),
     /// Built-in media, or a file of one: where its numbers come from, and what they are
     Materials(materials::Options),
 }
@@ -100,6 +103,7 @@ pub fn run() -> ExitCode {
         Some(Command::Film(options)) => film::run(options),
         Some(Command::Explain(options)) => explain::run(options),
         Some(Command::Scan(options)) => scan::run(options),
+        Some(Command::Export(options)) => export::run(options),
         Some(Command::Materials(options)) => materials::run(options),
         None => measure::run(&cli.measure),
     };
@@ -116,6 +120,13 @@ pub fn run() -> ExitCode {
 fn tell(text: &str) {
     // Nobody is left to complain to if this fails.
     let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// A result that was stored.
+fn stored(path: &Path) -> Result<Measured, Failure> {
+    let named = |e: &dyn fmt::Display| Failure::Input(format!("{}: {e}", path.display()));
+    let bytes = std::fs::read(path).map_err(|e| named(&format!("cannot be read: {e}")))?;
+    netcdf::from_bytes(&bytes).map_err(|e| named(&e))
 }
 
 /// Writes a file, whole or not at all.

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use gonio_embree::bsdf::{Arm, Scan};
 use gonio_embree::experiment::{Settings, measure};
-use gonio_embree::output::{netcdf, scan as output};
+use gonio_embree::output::scan as output;
 use gonio_embree::plot;
 
 use super::numbers::Values;
 use super::progress::Line;
 use super::setup::{Scene, Setup};
-use super::{Failure, answer, tell, write};
+use super::{Failure, answer, stored, tell, write};
 
 /// Options that a result has answered already.
 const FOR_A_SAMPLE: [&str; 19] = [
@@ -118,8 +118,7 @@ impl Options {
     /// What is asked for of a result: all, unless the user says which.
     fn stored(&self, path: &Path, arm: &Arm) -> Result<Vec<Scan>, Failure> {
         let named = |e: &dyn std::fmt::Display| Failure::Input(format!("{}: {e}", path.display()));
-        let bytes = std::fs::read(path).map_err(|e| named(&format!("cannot be read: {e}")))?;
-        let bsdf = netcdf::from_bytes(&bytes).map_err(|e| named(&e))?.bsdf;
+        let bsdf = stored(path)?.bsdf;
         let theta: Vec<f64> = bsdf.incidences.iter().map(|s| s.incidence.theta_deg).collect();
         let phi: Vec<f64> = bsdf.incidences.iter().map(|s| s.incidence.phi_deg).collect();
         let wanted = |name: &str, given: &Option<Values>, there: &[f64]| {

@@ -4,6 +4,8 @@ mod lab;
 
 use std::fmt;
 
+use crate::text::words;
+
 pub use lab::{delta_e_76, delta_e_2000, lab};
 
 /// Wavelength in nm, x̄, ȳ, z̄ and the power of D65, every 5 nm, as of ISO/CIE 11664-1 and 11664-2.
@@ -49,14 +51,7 @@ impl Illuminant {
     }
 }
 
-impl fmt::Display for Illuminant {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::D65 => "D65",
-            Self::A => "A",
-        })
-    }
-}
+words!(Illuminant { D65 = "D65", A = "A" });
 
 /// A wavelength at which the eye sees.
 struct Sample {

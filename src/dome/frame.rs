@@ -7,6 +7,17 @@
 
 use glam::DVec3;
 
+use super::geodesic::Facet;
+
+impl Facet {
+    /// Cosine and sine of the angle about `dir`, a direction in this facet, from the frame its light is told in to θ̂ there.
+    pub fn turn_to_theta(self, dir: DVec3) -> [f64; 2] {
+        let to_theta = |dir: DVec3| turn(dir, carried(dir), theta(dir));
+        let ([c, s], [cos, sin]) = (to_theta(self.center()), to_theta(dir));
+        [cos * c + sin * s, sin * c - cos * s]
+    }
+}
+
 /// x̂ carried to `dir` from the pole of its hemisphere, along the great circle through both.
 pub fn carried(dir: DVec3) -> DVec3 {
     let pole = DVec3::new(0.0, 0.0, 1.0f64.copysign(dir.z));

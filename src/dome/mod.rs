@@ -10,12 +10,15 @@ mod detector;
 mod frame;
 mod geodesic;
 mod leaves;
+mod patch;
 mod statistics;
 mod tally;
 
 pub use apertures::Apertures;
 pub use detector::{Apart, Detector};
+pub use frame::theta as theta_direction;
 pub use geodesic::{FINEST_LEVEL, Facet, Locator, count};
 pub use leaves::{Leaf, RESOLVED, Rule};
+pub use patch::Patch;
 pub use statistics::{Estimate, Measurement};
 pub use tally::{Entry, Shape, Tally};

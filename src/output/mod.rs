@@ -2,6 +2,7 @@
 //! [`Measured`] to bytes or text; [`atomic`] puts them on the disk.
 
 pub mod atomic;
+pub mod export;
 pub mod film;
 pub mod materials;
 mod measured;

@@ -1,9 +1,11 @@
 //! Results made from formulas, to be looked at as if they were measured.
 
 use glam::DVec3;
-use gonio_embree::bsdf::{Bsdf, FacetValue, Ledger, Scattering};
-use gonio_embree::dome::{Estimate, Facet};
+use gonio_embree::bsdf::{Bsdf, DeltaMatrices, FacetValue, Ledger, Scattering};
+use gonio_embree::dome::{Estimate, Facet, theta_direction};
 use gonio_embree::light::Incidence;
+use gonio_embree::optics::C64;
+use gonio_embree::output::{Measured, Provenance, UsedBackend, Validity};
 
 /// Standard error of everything, relative.
 pub const NOISE: f64 = 0.01;
@@ -76,4 +78,80 @@ pub fn ggx(incidence: &Incidence, exit: DVec3, alpha: [f64; 2]) -> f64 {
     let d = 1.0 / (std::f64::consts::PI * alpha[0] * alpha[1] * (slope(m) + m.z * m.z).powi(2));
     let g1 = |v: DVec3| 2.0 / (1.0 + (1.0 + slope(v) / (v.z * v.z)).sqrt());
     d * g1(source) * g1(exit) / (4.0 * source.z * exit.z)
+}
+
+/// The index of [`mueller_ggx`].
+pub const METAL: C64 = C64::new(0.8, 3.0);
+
+/// A rough metal with its Mueller matrices: GGX of microfacets that reflect by Fresnel's equations, told at the centres of
+/// the facets.
+pub fn mueller_ggx(level: u8, incidences: &[(f64, f64)], wavelength_nm: &[f64], alpha: f64) -> Bsdf {
+    let n = wavelength_nm.len();
+    let mut bsdf = result(level, incidences, wavelength_nm, 0.0, |_, _, _| 0.0);
+    for s in &mut bsdf.incidences {
+        for f in &mut s.facets {
+            let exit = f.facet.center();
+            let lobe = ggx(&s.incidence, exit, [alpha, alpha]);
+            let matrix = if lobe > 0.0 { reflection(&s.incidence, exit) } else { [0.0; 16] };
+            let estimates = matrix.map(|x| Estimate { value: lobe * x, se: 0.0 });
+            f.mueller = vec![estimates; n];
+            f.value = vec![estimates[0]; n];
+        }
+        s.ledger = ledger(&s.facets, n, 0.0);
+        let none = vec![[Estimate::default(); 16]; n];
+        s.deltas = Some(DeltaMatrices { specular: none.clone(), undeflected: none });
+    }
+    bsdf
+}
+
+/// The Mueller matrix of a mirror of [`METAL`] that sends the light to `exit`, from p of the incidence to θ̂ of the exit.
+fn reflection(incidence: &Incidence, exit: DVec3) -> [f64; 16] {
+    let k = incidence.propagation();
+    let m = (exit - k).normalize();
+    let cos = exit.dot(m);
+    let q = (METAL * METAL - (1.0 - cos * cos)).sqrt();
+    let (rs, rp) = ((cos - q) / (cos + q), (METAL * METAL * cos - q) / (METAL * METAL * cos + q));
+    let (p2, s2, ps) = (rp.norm_sqr(), rs.norm_sqr(), rp * rs.conj());
+    let (sum, difference) = (0.5 * (p2 + s2), 0.5 * (p2 - s2));
+    #[rustfmt::skip]
+    let mirror = [
+        sum, difference, 0.0, 0.0,
+        difference, sum, 0.0, 0.0,
+        0.0, 0.0, ps.re, -ps.im,
+        0.0, 0.0, ps.im, ps.re,
+    ];
+    let s = k.cross(m).try_normalize().unwrap_or_else(|| incidence.s_direction());
+    let turn = |along: DVec3, from: DVec3, to: DVec3| f64::atan2(along.cross(from).dot(to), from.dot(to));
+    let (into, out) = (turn(k, incidence.p_direction(), s.cross(k)), turn(exit, s.cross(exit), theta_direction(exit)));
+    multiplied(&rotation(out), &multiplied(&mirror, &rotation(into)))
+}
+
+/// Stokes vectors in a frame turned by an angle.
+fn rotation(angle: f64) -> [f64; 16] {
+    let (s, c) = (2.0 * angle).sin_cos();
+    [1.0, 0.0, 0.0, 0.0, 0.0, c, s, 0.0, 0.0, -s, c, 0.0, 0.0, 0.0, 0.0, 1.0]
+}
+
+fn multiplied(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
+    std::array::from_fn(|i| (0..4).map(|k| a[4 * (i / 4) + k] * b[4 * k + i % 4]).sum())
+}
+
+/// A result as if it had been measured.
+pub fn measured(bsdf: Bsdf) -> Measured {
+    let validity =
+        Validity { smallest_feature_um: None, small_feature_flux: 0.0, edge_flux: 0.0, edges: "column".into() };
+    let provenance = Provenance {
+        version: "0.1.0".into(),
+        command: "gonio-embree --sample formula.toml".into(),
+        seed: 1,
+        polarization: "unpolarized".into(),
+        source_mode: "band".into(),
+        sample_files: vec!["formula.toml".into()],
+        sample_sha256: "00".into(),
+        backend: UsedBackend { name: "none".into(), version: "0".into() },
+        effects: Vec::new(),
+        validity,
+        stacks: Vec::new(),
+    };
+    Measured { bsdf, provenance }
 }

@@ -1,0 +1,221 @@
+//! Klems matrices: light from each patch of a hemisphere into each patch of a hemisphere.
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Block, Export, Exported, Grey, Source, Way, document, in_sample, measured, notes, refuse};
+use crate::bsdf::Lookup;
+use crate::dome::Patch;
+use crate::output::export::points::{direction, incidence_from};
+
+/// Rings of a hemisphere: lower bound of the polar angle in degrees, and number of patches; the last ends at 90°.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Basis {
+    name: &'static str,
+    rings: &'static [(f64, u32)],
+}
+
+/// 145 patches.
+pub const FULL: Basis = Basis {
+    name: "LBNL/Klems Full",
+    rings: &[(0.0, 1), (5.0, 8), (15.0, 16), (25.0, 20), (35.0, 24), (45.0, 24), (55.0, 24), (65.0, 16), (75.0, 12)],
+};
+/// 77 patches.
+pub const HALF: Basis = Basis {
+    name: "LBNL/Klems Half",
+    rings: &[(0.0, 1), (6.5, 8), (19.5, 12), (32.5, 16), (45.5, 20), (58.5, 12), (71.5, 8)],
+};
+/// 41 patches.
+pub const QUARTER: Basis =
+    Basis { name: "LBNL/Klems Quarter", rings: &[(0.0, 1), (9.0, 8), (27.0, 12), (45.0, 12), (63.0, 8)] };
+
+/// A patch, and the direction that stands for it.
+struct Cell {
+    patch: Patch,
+    theta: f64,
+    phi: f64,
+}
+
+impl Basis {
+    fn upper(&self, ring: usize) -> f64 {
+        self.rings.get(ring + 1).map_or(90.0, |r| r.0)
+    }
+
+    fn cells(&self) -> Vec<Cell> {
+        let ring = |(i, &(lower, count)): (usize, &(f64, u32))| {
+            let theta = [lower.to_radians(), self.upper(i).to_radians()];
+            let step = 2.0 * PI / f64::from(count);
+            (0..count).map(move |k| {
+                let phi = f64::from(k) * step;
+                let range = (count > 1).then_some([phi - 0.5 * step, phi + 0.5 * step]);
+                let middle = if count > 1 { 0.5 * (theta[0] + theta[1]) } else { 0.0 };
+                Cell { patch: Patch { theta, phi: range }, theta: middle, phi }
+            })
+        };
+        self.rings.iter().enumerate().flat_map(ring).collect()
+    }
+
+    fn xml(&self) -> String {
+        let mut out = format!("<AngleBasis><AngleBasisName>{}</AngleBasisName>", self.name);
+        for (i, &(lower, count)) in self.rings.iter().enumerate() {
+            let upper = self.upper(i);
+            let theta = if count > 1 { 0.5 * (lower + upper) } else { 0.0 };
+            let _ = write!(
+                out,
+                "\n<AngleBasisBlock><Theta>{theta}</Theta><nPhis>{count}</nPhis><ThetaBounds><LowerTheta>{lower}</LowerTheta>\
+                 <UpperTheta>{upper}</UpperTheta></ThetaBounds></AngleBasisBlock>"
+            );
+        }
+        out + "</AngleBasis>"
+    }
+}
+
+/// The matrices of all ways through the sample that were measured. The flux of each facet goes to the patches it lies in,
+/// by exact overlap; the delta parts to the patch they hit. Light comes from the middle of its patch.
+pub fn klems(source: &Source<'_>, basis: &Basis) -> Export {
+    let channels = source.channels()?;
+    let grey = Grey::new(source, &channels);
+    let cells = basis.cells();
+    let names: &[&str] = if source.wavelength.is_some() { &["Visible"] } else { &["CIE-X", "Visible", "CIE-Z"] };
+    let mut blocks = Vec::new();
+    for way in Way::ALL {
+        let Some(lookup) = measured(source, way) else { continue };
+        if lookup.bsdf().wavelength_nm != source.front.bsdf().wavelength_nm {
+            return refuse("the two sides were measured at different wavelengths");
+        }
+        let matrix = matrix(lookup, way, &cells, &grey);
+        for (i, &wavelength) in names.iter().enumerate() {
+            let channel = if names.len() > 1 { i } else { 1 };
+            blocks.push(Block { wavelength, way, data: rows(&matrix, cells.len(), channel) });
+        }
+    }
+    Ok(Exported { bytes: document(source, "Columns", basis.name, &basis.xml(), &blocks), notes: notes(source) })
+}
+
+/// A row per patch of the exit.
+fn rows(matrix: &[[f64; 3]], columns: usize, channel: usize) -> String {
+    let mut out = String::new();
+    for row in matrix.chunks(columns) {
+        let row: Vec<String> = row.iter().map(|xyz| format!("{:.6e}", xyz[channel].max(0.0))).collect();
+        let _ = writeln!(out, "{},", row.join(","));
+    }
+    out
+}
+
+/// BSDF (1/sr) in X, Y, Z: rows are patches of the exit, columns those of the incidence.
+fn matrix(lookup: &Lookup<'_>, way: Way, cells: &[Cell], grey: &Grey<'_>) -> Vec<[f64; 3]> {
+    let columns: Vec<Vec<[f64; 3]>> = cells.par_iter().map(|cell| column(lookup, way, cells, grey, cell)).collect();
+    (0..cells.len()).flat_map(|row| columns.iter().map(move |c| c[row])).collect()
+}
+
+/// What light from one patch does.
+fn column(lookup: &Lookup<'_>, way: Way, cells: &[Cell], grey: &Grey<'_>, light: &Cell) -> Vec<[f64; 3]> {
+    // Azimuths of incidence are those in which the light goes: half a turn from its source.
+    let source = direction(light.theta, light.phi + PI);
+    let source = if way.from_below { in_sample(source.with_z(-source.z), true) } else { source };
+    let blend = lookup.at(&incidence_from(source));
+    let wavelengths = lookup.bsdf().wavelength_nm.len();
+    let mut flux = vec![[0.0; 3]; cells.len()];
+    let mut put = |cell: usize, xyz: [f64; 3], share: f64| (0..3).for_each(|i| flux[cell][i] += share * xyz[i]);
+    let goes_up = way.reflects;
+    for part in blend.parts() {
+        for f in &lookup.bsdf().incidences[part.incidence].facets {
+            if (f.facet.center().z > 0.0) != goes_up || f.value.iter().all(|e| e.value == 0.0) {
+                continue;
+            }
+            let spectrum: Vec<f64> = f.value.iter().map(|e| e.value).collect();
+            let xyz = grey.xyz(&spectrum);
+            let turn = -part.turn_deg.to_radians();
+            for (cell, c) in cells.iter().enumerate() {
+                // Light from below was measured on the sample turned over, which mirrors azimuths.
+                let patch = if way.from_below { mirrored(&c.patch) } else { c.patch };
+                let overlap = if may_meet(&patch, f.facet, turn) { patch.covers(f.facet, turn) } else { 0.0 };
+                if overlap > 0.0 {
+                    put(cell, xyz, part.weight * overlap);
+                }
+            }
+        }
+    }
+    for w in 0..wavelengths {
+        let (share, exit) = if way.reflects {
+            (blend.share(|l| &l.specular, w).value, Some(blend.mirror()))
+        } else {
+            (blend.share(|l| &l.undeflected, w).value, blend.straight(w))
+        };
+        if let Some(exit) = exit.filter(|_| share > 0.0) {
+            let mut spectrum = vec![0.0; wavelengths];
+            spectrum[w] = share;
+            put(holding(cells, in_sample(exit, way.from_below)), grey.xyz(&spectrum), 1.0);
+        }
+    }
+    flux.iter().zip(cells).map(|(xyz, c)| xyz.map(|x| x / c.patch.projected_solid_angle())).collect()
+}
+
+fn mirrored(patch: &Patch) -> Patch {
+    Patch { phi: patch.phi.map(|[from, to]| [-to, -from]), ..*patch }
+}
+
+/// Whether a facet is near enough to a patch to reach into it.
+fn may_meet(patch: &Patch, facet: crate::dome::Facet, turn: f64) -> bool {
+    let center = facet.center();
+    let radius = facet.corners().iter().map(|c| c.angle_between(center)).fold(0.0, f64::max);
+    let theta = center.z.abs().acos();
+    let [from, to] = patch.theta;
+    if theta + radius < from || theta - radius > to {
+        return false;
+    }
+    let Some([from, to]) = patch.phi else { return true };
+    if theta <= radius {
+        return true;
+    }
+    // Half the range of azimuths that a cap spans.
+    let half = (radius.sin() / theta.sin()).min(1.0).asin();
+    let phi = center.y.atan2(center.x) + turn - 0.5 * (from + to);
+    let phi = (phi + PI).rem_euclid(2.0 * PI) - PI;
+    phi.abs() <= half + 0.5 * (to - from)
+}
+
+/// Number of the patch that holds a direction.
+fn holding(cells: &[Cell], dir: DVec3) -> usize {
+    let (theta, phi) = (dir.z.abs().clamp(0.0, 1.0).acos(), dir.y.atan2(dir.x));
+    let holds = |c: &Cell| {
+        let [from, to] = c.patch.theta;
+        let off = c
+            .patch
+            .phi
+            .map_or(0.0, |[a, b]| ((phi - 0.5 * (a + b) + PI).rem_euclid(2.0 * PI) - PI).abs() - 0.5 * (b - a));
+        theta >= from && theta < to && off <= 1e-12
+    };
+    cells.iter().position(holds).unwrap_or(cells.len() - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bases_fill_the_hemisphere() {
+        for (basis, count) in [(FULL, 145), (HALF, 77), (QUARTER, 41)] {
+            let cells = basis.cells();
+            let whole: f64 = cells.iter().map(|c| c.patch.projected_solid_angle()).sum();
+            assert!(cells.len() == count && (whole - PI).abs() < 1e-12, "{basis:?}");
+            for (i, c) in cells.iter().enumerate() {
+                assert_eq!(holding(&cells, direction(c.theta, c.phi)), i, "{basis:?}");
+            }
+        }
+    }
+
+    /// What is passed over does not reach into the patch.
+    #[test]
+    fn nothing_that_overlaps_is_passed_over() {
+        let cells = FULL.cells();
+        for facet in crate::dome::Facet::all(3).step_by(7) {
+            for c in cells.iter().filter(|c| !may_meet(&c.patch, facet, 0.7)) {
+                assert!(c.patch.covers(facet, 0.7) < 1e-14, "{facet:?} {:?}", c.patch);
+            }
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! `measured` BSDFs of Mitsuba 3 (Dupuy and Jakob 2018), read by pbrt-v4 and powitacq, too: the BRDF times the cosine of the
+//! exit on a square that is warped, for each incidence, so that most of it lies where the light goes.
+//!
+//! The reader's value is spectra(s) · D(m) / (4 σ(ω_i)) with s the inverse warp of the half vector m. Any positive warp and D
+//! are right. Here the warp is the light's own density; D is the mean of f · 4 cos θ_i cos θ_o, which leaves little to the
+//! spectra that is not smooth; and 4 σ = 1. Half vectors are told by u = √(2θ/π) and v = (φ + π) / 2π.
+
+pub mod tensor;
+mod warp;
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::points::{Beam, direction, incidence_from};
+use super::{Channels, Export, Exported, Source, refuse};
+use crate::colour;
+use tensor::Field;
+use warp::Warp;
+
+/// Nodes of the warped square along each side.
+const NODES: usize = 32;
+/// Nodes of the density along φ and θ of the half vector: isotropic, anisotropic (there are many incidences).
+const DENSITY: [[usize; 2]; 2] = [[64, 256], [32, 128]];
+/// Density of what is dark, of the mean.
+const DARK: f64 = 0.05;
+/// Points of each node's cell over which a measured value is a mean, along each side.
+const POINTS: usize = 4;
+/// Least D, of its greatest.
+const LEAST: f64 = 1e-4;
+/// Azimuths over which D of an isotropic sample is a mean.
+const AZIMUTHS: usize = 16;
+/// The reader draws from within these.
+const EDGE: f64 = f32::EPSILON as f64 / 2.0;
+
+/// Directions of incidence of a table, radians.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Polar angles, ascending.
+    pub theta: Vec<f64>,
+    /// Azimuths, ascending from −π to π; a single one for an isotropic sample.
+    pub phi: Vec<f64>,
+    /// Points of each node's cell over which a value is a mean, along each side.
+    pub points: usize,
+}
+
+/// The tables of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warped {
+    grid: Grid,
+    /// Values per direction.
+    bands: usize,
+    /// Nodes of the density along φ and θ.
+    density: [usize; 2],
+    /// D by [φ_m, θ_m].
+    ndf: Vec<f32>,
+    /// [φ_i, θ_i, φ_m, θ_m].
+    vndf: Vec<f32>,
+    /// [φ_i, θ_i, node, node].
+    luminance: Vec<f32>,
+    /// [φ_i, θ_i, band, node, node].
+    values: Vec<f32>,
+}
+
+/// The BRDF spectra (1/sr) of all exits of one incidence: adds weight times the spectrum to what it is given.
+pub type Exits<'a> = Box<dyn Fn(DVec3, f64, &mut [f64]) + 'a>;
+
+/// The file with a spectrum per direction.
+pub fn spectral(source: &Source<'_>) -> Export {
+    let wavelengths = source.wavelengths();
+    let nm: Vec<f32> = wavelengths.iter().map(|&w| source.bsdf().wavelength_nm[w] as f32).collect();
+    let pick = |spectrum: &[f64], out: &mut [f64]| {
+        out.iter_mut().zip(&wavelengths).for_each(|(out, &w)| *out += spectrum[w]);
+    };
+    let field = Field::floats("wavelengths", &[nm.len()], nm);
+    write(source, wavelengths.len(), pick, "spectra", Some(field))
+}
+
+/// The file in linear sRGB.
+pub fn rgb(source: &Source<'_>) -> Export {
+    let channels = source.channels()?;
+    if matches!(channels, Channels::One(_)) {
+        return refuse("one wavelength has no colour: rgl holds it");
+    }
+    let pick = |spectrum: &[f64], out: &mut [f64]| {
+        let rgb = colour::linear_srgb(channels.xyz(spectrum));
+        out.iter_mut().zip(rgb).for_each(|(out, x)| *out += x);
+    };
+    let mut exported = write(source, 3, pick, "rgb", None)?;
+    exported.notes.insert(0, "this file is for RGB variants of Mitsuba: rgl holds spectra".into());
+    Ok(exported)
+}
+
+fn write(
+    source: &Source<'_>,
+    bands: usize,
+    pick: impl Fn(&[f64], &mut [f64]) + Sync,
+    name: &'static str,
+    more: Option<Field>,
+) -> Export {
+    let wavelengths = source.bsdf().wavelength_nm.len();
+    let pick = &pick;
+    let exits = |light: DVec3| -> Exits<'_> {
+        let beam: Beam<'_> = source.beam(&incidence_from(light));
+        Box::new(move |exit, weight, out| {
+            let mut spectrum = vec![0.0; wavelengths];
+            beam.add(exit, weight, &mut spectrum);
+            pick(&spectrum, out);
+        })
+    };
+    let table = Warped::new(&Grid::of(source), bands, exits);
+    let mut notes = Vec::new();
+    source.of_one_side(&mut notes);
+    source.of_specular(&mut notes);
+    let last = source.front.greatest_theta_deg();
+    if last < 85.0 {
+        notes.push(format!("readers take the incidence of {last}° for all that is more grazing: measure up to 88°"));
+    }
+    let fields = table.fields(&source.title, name).into_iter().chain(more);
+    Ok(Exported { bytes: tensor::to_bytes(&fields.collect::<Vec<_>>()), notes })
+}
+
+impl Grid {
+    /// The measured polar angles and azimuths, and the ends of the circle.
+    fn of(source: &Source<'_>) -> Self {
+        let sorted = |mut all: Vec<f64>| {
+            all.sort_by(f64::total_cmp);
+            all.dedup();
+            all
+        };
+        let incidences = || source.bsdf().incidences.iter().map(|s| s.incidence);
+        let theta = sorted(incidences().map(|i| i.theta_deg).collect());
+        let phi = if source.front.is_isotropic() {
+            vec![0.0]
+        } else {
+            let measured = incidences().map(|i| (i.phi_deg + 180.0).rem_euclid(360.0) - 180.0);
+            sorted(measured.chain([-180.0, 180.0]).collect())
+        };
+        let radians = |all: Vec<f64>| all.into_iter().map(f64::to_radians).collect();
+        Self { theta: radians(theta), phi: radians(phi), points: POINTS }
+    }
+}
+
+impl Warped {
+    /// From the BRDF: `exits` gives that of a direction towards the source.
+    pub fn new<'a>(grid: &Grid, bands: usize, exits: impl Fn(DVec3) -> Exits<'a> + Sync) -> Self {
+        let density = DENSITY[usize::from(grid.phi.len() > 1)];
+        let lights: Vec<DVec3> =
+            grid.phi.iter().flat_map(|&phi| grid.theta.iter().map(move |&theta| direction(theta, phi))).collect();
+        let ndf = Ndf::new(&lights, bands, density, &exits);
+        let slices: Vec<Slice> =
+            lights.par_iter().map(|&light| Slice::new(light, bands, &ndf, grid.points, &exits(light))).collect();
+        let joined = |part: fn(&Slice) -> &Vec<f32>| slices.iter().flat_map(|s| part(s).iter().copied()).collect();
+        Self {
+            grid: grid.clone(),
+            bands,
+            density,
+            ndf: ndf.values,
+            vndf: joined(|s| &s.vndf),
+            luminance: joined(|s| &s.luminance),
+            values: joined(|s| &s.values),
+        }
+    }
+
+    /// The fields of the file; `name` is `spectra` or `rgb`.
+    pub fn fields(&self, description: &str, name: &'static str) -> Vec<Field> {
+        let ([p, t], [h, w]) = ([self.grid.phi.len(), self.grid.theta.len()], self.density);
+        let single = |all: &[f64]| all.iter().map(|&x| x as f32).collect();
+        vec![
+            Field::bytes("description", description.as_bytes()),
+            Field::floats("theta_i", &[t], single(&self.grid.theta)),
+            Field::floats("phi_i", &[p], single(&self.grid.phi)),
+            Field::floats("ndf", &[h, w], self.ndf.clone()),
+            Field::floats("sigma", &[2, 2], vec![0.25; 4]),
+            Field::floats("vndf", &[p, t, h, w], self.vndf.clone()),
+            Field::floats("luminance", &[p, t, NODES, NODES], self.luminance.clone()),
+            Field::floats(name, &[p, t, self.bands, NODES, NODES], self.values.clone()),
+            Field::bytes("jacobian", &[1]),
+        ]
+    }
+}
+
+/// The tables of one incidence.
+struct Slice {
+    vndf: Vec<f32>,
+    luminance: Vec<f32>,
+    values: Vec<f32>,
+}
+
+/// The half vector of coordinates (u, v), and solid angle of exits per area of them.
+fn half([u, v]: [f64; 2], light: DVec3) -> (DVec3, f64) {
+    let theta = 0.5 * PI * u * u;
+    let m = direction(theta, (2.0 * v - 1.0) * PI);
+    (m, 2.0 * PI * PI * u * theta.sin() * 4.0 * m.dot(light).max(0.0))
+}
+
+/// D on nodes of the half vectors.
+struct Ndf {
+    /// Nodes along φ and θ.
+    density: [usize; 2],
+    values: Vec<f32>,
+}
+
+impl Ndf {
+    /// Mean of f · 4 cos θ_i cos θ_o over incidences and bands, of an isotropic sample over azimuths, too.
+    fn new<'a>(lights: &[DVec3], bands: usize, density: [usize; 2], exits: impl Fn(DVec3) -> Exits<'a> + Sync) -> Self {
+        let [height, width] = density;
+        let is_isotropic = density == DENSITY[0];
+        let rows = if is_isotropic { AZIMUTHS } else { height };
+        let of_light = |&light: &DVec3| {
+            let exits = exits(light);
+            let mut out = vec![0.0; bands];
+            let mut value = |i: usize| {
+                // Rows of azimuths go half a turn beyond what the other half mirrors; the last of them is the first.
+                let row = if is_isotropic { (i / width) as f64 / rows as f64 } else { node(i / width, rows) };
+                let (m, _) = half([node(i % width, width), row], light);
+                let exit = 2.0 * m.dot(light) * m - light;
+                if m.dot(light) <= 0.0 || exit.z <= 0.0 {
+                    return (0.0, 0.0);
+                }
+                out.fill(0.0);
+                exits(exit, 4.0 * light.z * exit.z / bands as f64, &mut out);
+                // What grazes counts less: it says little of what is seen.
+                (exit.z * light.z * out.iter().sum::<f64>(), exit.z * light.z)
+            };
+            (0..rows * width).map(&mut value).collect::<Vec<(f64, f64)>>()
+        };
+        let add = |mut a: Vec<(f64, f64)>, b: Vec<(f64, f64)>| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a = (a.0 + b.0, a.1 + b.1));
+            a
+        };
+        // One after the other, so that sums do not depend on the number of threads.
+        let all: Vec<_> = lights.par_iter().map(of_light).collect();
+        let mut sums = all.into_iter().reduce(add).unwrap_or_default();
+        if is_isotropic {
+            let row = |c: usize| (0..rows).map(|r| sums[r * width + c]).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+            let row: Vec<_> = (0..width).map(row).collect();
+            sums = row.iter().copied().cycle().take(height * width).collect();
+        }
+        Self { density, values: floored(&sums) }
+    }
+
+    /// Bilinear between its nodes, as the reader has it.
+    fn at(&self, [u, v]: [f64; 2]) -> f64 {
+        let [height, width] = self.density;
+        let cell = |x: f64, n: usize| {
+            let at = (x * (n - 1) as f64).clamp(0.0, (n - 1) as f64);
+            let low = (at as usize).min(n - 2);
+            (low, at - low as f64)
+        };
+        let ((column, tx), (row, ty)) = (cell(u, width), cell(v, height));
+        let value = |r: usize, c: usize| f64::from(self.values[r * width + c]);
+        let along = |r: usize| (1.0 - tx) * value(r, column) + tx * value(r, column + 1);
+        (1.0 - ty) * along(row) + ty * along(row + 1)
+    }
+}
+
+/// Means of sums and weights, none of them less than a part of the greatest.
+fn floored(sums: &[(f64, f64)]) -> Vec<f32> {
+    let mean = |&(sum, weight): &(f64, f64)| if weight > 0.0 { sum / weight } else { 0.0 };
+    let most = sums.iter().map(mean).fold(0.0, f64::max);
+    let least = if most > 0.0 { LEAST * most } else { 1.0 };
+    sums.iter().map(|s| mean(s).max(least) as f32).collect()
+}
+
+fn node(i: usize, n: usize) -> f64 {
+    i as f64 / (n - 1) as f64
+}
+
+impl Slice {
+    fn new(light: DVec3, bands: usize, ndf: &Ndf, points: usize, exits: &Exits<'_>) -> Self {
+        // BRDF times cosine, added with a weight.
+        let add = |m: DVec3, weight: f64, out: &mut [f64]| {
+            let exit = 2.0 * m.dot(light) * m - light;
+            if m.dot(light) > 0.0 && exit.z > 0.0 {
+                exits(exit, weight * exit.z, out);
+            }
+        };
+        let flux = |at: [f64; 2]| {
+            let (m, area) = half(at, light);
+            let mut all = vec![0.0; bands];
+            add(m, area / bands as f64, &mut all);
+            all.iter().sum::<f64>().max(0.0)
+        };
+        let [height, width] = ndf.density;
+        let mut table: Vec<f64> =
+            (0..height * width).map(|i| flux([node(i % width, width), node(i / width, height)])).collect();
+        let mean = table.iter().sum::<f64>() / table.len() as f64;
+        // What is dark needs a place, too; a black sample has the same everywhere.
+        let dark = if mean > 0.0 { DARK * mean } else { 1.0 };
+        table.iter_mut().for_each(|x| *x += dark);
+        // The reader's numbers are single.
+        let vndf: Vec<f32> = table.iter().map(|&x| x as f32).collect();
+        let warp = Warp::new(&vndf.iter().map(|&x| f64::from(x)).collect::<Vec<_>>(), width);
+        let mut values = vec![0.0f32; bands * NODES * NODES];
+        let mut luminance = Vec::with_capacity(NODES * NODES);
+        for at in 0..NODES * NODES {
+            let s = [node(at % NODES, NODES), node(at / NODES, NODES)];
+            let mut value = vec![0.0; bands];
+            for point in cell(s, points) {
+                let (to, _) = warp.draw(point);
+                add(half(to, light).0, 1.0 / ((points * points) as f64 * ndf.at(to)), &mut value);
+            }
+            let (to, density) = warp.draw(s.map(inside));
+            let mean = value.iter().sum::<f64>() / bands as f64;
+            luminance.push((mean * ndf.at(to) * half(to, light).1 / density).max(1e-5) as f32);
+            (0..bands).for_each(|b| values[b * NODES * NODES + at] = value[b].max(0.0) as f32);
+        }
+        Self { vndf, luminance, values }
+    }
+}
+
+fn inside(x: f64) -> f64 {
+    x.clamp(EDGE, 1.0 - EDGE)
+}
+
+/// Points spread over the cell of a node, which is the same to both of its sides.
+fn cell(node: [f64; 2], points: usize) -> impl Iterator<Item = [f64; 2]> {
+    let half = node.map(|x| (0.5 / (NODES - 1) as f64).min(x).min(1.0 - x));
+    let at = move |i: usize| (2.0 * i as f64 + 1.0) / points as f64 - 1.0;
+    (0..points * points).map(move |i| {
+        let offset = [at(i % points), at(i / points)];
+        std::array::from_fn(|k| inside(node[k] + half[k] * offset[k]))
+    })
+}
