@@ -123,6 +123,10 @@ fn grey_is_grey_and_colours_are_those_of_the_spectrum() {
     let lookup = Lookup::new(&grey);
     let of_grey = blocks(&text(Format::KlemsQuarter, &source(&lookup)));
     assert_eq!(of_grey.len(), 3);
+    for (name, v) in &of_grey {
+        let worst = v.iter().map(|x| (x - 0.5 / PI).abs()).fold(0.0, f64::max);
+        assert!(v.len() == 41 * 41 && worst < 1e-6, "{name}: {} {worst}", v.len());
+    }
     assert!(of_grey.iter().all(|(_, v)| v.len() == 41 * 41 && v.iter().all(|x| (x - 0.5 / PI).abs() < 1e-6)));
     for format in [Format::TensorTree3, Format::TensorTree4] {
         let tree = blocks(&text(format, &source(&lookup)));

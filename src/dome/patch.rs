@@ -103,16 +103,20 @@ fn within(polygon: &[DVec3], theta: f64) -> f64 {
         let (most, middle) = (a.hypot(b), b.atan2(a));
         let half = if most > height { (height / most).clamp(-1.0, 1.0).acos() } else { 0.0 };
         let (enters, leaves) = (middle - half, middle + half);
-        let (first, last) = (enters.max(0.0), leaves.min(length));
-        if half == 0.0 || first >= last {
-            continue;
-        }
+        // Told by the corners, so that one on the circle is in or out for both of its edges.
+        let (first, last) = match (from.z >= height, to.z >= height) {
+            (true, true) => (0.0, length),
+            (true, false) => (0.0, leaves.clamp(0.0, length)),
+            (false, true) => (enters.clamp(0.0, length), length),
+            (false, false) if enters > 0.0 && leaves < length && enters < leaves => (enters, leaves),
+            (false, false) => continue,
+        };
         any_inside = true;
         area += 0.5 * normal.z * (last - first);
-        if first > 0.0 {
+        if from.z < height {
             crossings.push((point(first), false));
         }
-        if last < length {
+        if to.z < height {
             crossings.push((point(last), true));
         }
     }
@@ -170,6 +174,22 @@ mod tests {
             }
             for (patch, sums) in all.iter().zip(of_patch) {
                 assert!(sums.iter().all(|s| (s - patch.projected_solid_angle()).abs() < 1e-12), "{patch:?} {sums:?}");
+            }
+        }
+    }
+
+    /// Turned by parts of the circle, corners of facets come to lie on the sides of patches.
+    #[test]
+    fn corners_on_sides_do_no_harm() {
+        let step = 2.0 * PI / 12.0;
+        let side = |k: f64| Patch { theta: [0.5, 1.1], phi: Some([(k - 0.5) * step, (k + 0.5) * step]) };
+        let ring: Vec<Patch> = (0..12).map(|k| side(f64::from(k))).collect();
+        for facet in (1..=3).flat_map(Facet::all) {
+            for turn in (0..60).map(|i| f64::from(6 * i).to_radians()) {
+                let whole = Patch { theta: [0.5, 1.1], phi: None }.covers(facet, turn);
+                let sum: f64 = ring.iter().map(|p| p.covers(facet, turn)).sum();
+                assert!((sum - whole).abs() < 1e-12, "{facet:?} {turn}: {sum} of {whole}");
+                assert!(whole <= facet.projected_solid_angle() + 1e-12, "{facet:?} {turn}");
             }
         }
     }

@@ -74,9 +74,10 @@ pub fn ggx(incidence: &Incidence, exit: DVec3, alpha: [f64; 2]) -> f64 {
         return 0.0;
     }
     let m = (source + exit).normalize();
-    let slope = |v: DVec3| (v.x / alpha[0]).powi(2) + (v.y / alpha[1]).powi(2);
-    let d = 1.0 / (std::f64::consts::PI * alpha[0] * alpha[1] * (slope(m) + m.z * m.z).powi(2));
-    let g1 = |v: DVec3| 2.0 / (1.0 + (1.0 + slope(v) / (v.z * v.z)).sqrt());
+    let stretched = |v: DVec3| (v.x / alpha[0]).powi(2) + (v.y / alpha[1]).powi(2);
+    let d = 1.0 / (std::f64::consts::PI * alpha[0] * alpha[1] * (stretched(m) + m.z * m.z).powi(2));
+    let slope = |v: DVec3| ((v.x * alpha[0]).powi(2) + (v.y * alpha[1]).powi(2)) / (v.z * v.z);
+    let g1 = |v: DVec3| 2.0 / (1.0 + (1.0 + slope(v)).sqrt());
     d * g1(source) * g1(exit) / (4.0 * source.z * exit.z)
 }
 

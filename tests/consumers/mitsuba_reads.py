@@ -57,9 +57,8 @@ def errors(bsdf, truth, wavelengths):
 
 def ggx(wi, wo, alpha):
     m = (wi + wo) / np.linalg.norm(wi + wo)
-    slope = lambda v: (v[0] / alpha[0]) ** 2 + (v[1] / alpha[1]) ** 2
-    d = 1 / (np.pi * alpha[0] * alpha[1] * (slope(m) + m[2] ** 2) ** 2)
-    g1 = lambda v: 2 / (1 + np.sqrt(1 + slope(v) / v[2] ** 2))
+    d = 1 / (np.pi * alpha[0] * alpha[1] * ((m[0] / alpha[0]) ** 2 + (m[1] / alpha[1]) ** 2 + m[2] ** 2) ** 2)
+    g1 = lambda v: 2 / (1 + np.sqrt(1 + ((v[0] * alpha[0]) ** 2 + (v[1] * alpha[1]) ** 2) / v[2] ** 2))
     return d * g1(wi) * g1(wo) / (4 * wi[2] * wo[2])
 
 

@@ -208,6 +208,24 @@ mod tests {
         }
     }
 
+    /// Of a dome that is turned by the azimuth of any patch, every patch gets all of its solid angle.
+    #[test]
+    fn turned_domes_fill_all_patches() {
+        for basis in [FULL, HALF, QUARTER] {
+            let cells = basis.cells();
+            for turn in cells.iter().map(|c| c.phi).chain([0.3]) {
+                for c in &cells {
+                    let sum: f64 = crate::dome::Facet::all(2)
+                        .filter(|f| f.center().z > 0.0 && may_meet(&c.patch, *f, turn))
+                        .map(|f| c.patch.covers(f, turn))
+                        .sum();
+                    let whole = c.patch.projected_solid_angle();
+                    assert!((sum - whole).abs() < 1e-12, "{:?} {turn}: {sum} of {whole}", c.patch);
+                }
+            }
+        }
+    }
+
     /// What is passed over does not reach into the patch.
     #[test]
     fn nothing_that_overlaps_is_passed_over() {

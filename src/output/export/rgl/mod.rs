@@ -2,8 +2,8 @@
 //! exit on a square that is warped, for each incidence, so that most of it lies where the light goes.
 //!
 //! The reader's value is spectra(s) · D(m) / (4 σ(ω_i)) with s the inverse warp of the half vector m. Any positive warp and D
-//! are right. Here the warp is the light's own density; D is the mean of f · 4 cos θ_i cos θ_o, which leaves little to the
-//! spectra that is not smooth; and 4 σ = 1. Half vectors are told by u = √(2θ/π) and v = (φ + π) / 2π.
+//! are right. Here the warp is the density of normals that the light sees, D the mean of f · 4 cos θ_i cos θ_o, which leaves little to the
+//! spectra that is not smooth, and σ its projection. Half vectors are told by u = √(2θ/π) and v = (φ + π) / 2π.
 
 pub mod tensor;
 mod warp;
@@ -22,11 +22,14 @@ use warp::Warp;
 /// Nodes of the warped square along each side.
 const NODES: usize = 32;
 /// Nodes of the density along φ and θ of the half vector: isotropic, anisotropic (there are many incidences).
-const DENSITY: [[usize; 2]; 2] = [[64, 256], [32, 128]];
-/// Density of what is dark, of the mean.
-const DARK: f64 = 0.05;
+const DENSITY: [[usize; 2]; 2] = [[64, 256], [48, 128]];
+/// Density everywhere, of the means of the others.
+const DARK: f64 = 0.02;
 /// Points of each node's cell over which a measured value is a mean, along each side.
 const POINTS: usize = 4;
+/// Nodes of D, and of σ, likewise.
+const NORMALS: [[usize; 2]; 2] = [[64, 256], [64, 256]];
+const SIGMA: [[usize; 2]; 2] = [[2, 128], [64, 64]];
 /// Least D, of its greatest.
 const LEAST: f64 = 1e-4;
 /// Azimuths over which D of an isotropic sample is a mean.
@@ -54,7 +57,9 @@ pub struct Warped {
     /// Nodes of the density along φ and θ.
     density: [usize; 2],
     /// D by [φ_m, θ_m].
-    ndf: Vec<f32>,
+    ndf: Nodes,
+    /// By [φ_i, θ_i], finer than the incidences.
+    sigma: Nodes,
     /// [φ_i, θ_i, φ_m, θ_m].
     vndf: Vec<f32>,
     /// [φ_i, θ_i, node, node].
@@ -148,15 +153,21 @@ impl Warped {
         let density = DENSITY[usize::from(grid.phi.len() > 1)];
         let lights: Vec<DVec3> =
             grid.phi.iter().flat_map(|&phi| grid.theta.iter().map(move |&theta| direction(theta, phi))).collect();
-        let ndf = Ndf::new(&lights, bands, density, &exits);
-        let slices: Vec<Slice> =
-            lights.par_iter().map(|&light| Slice::new(light, bands, &ndf, grid.points, &exits(light))).collect();
+        let is_isotropic = grid.phi.len() == 1;
+        let ndf = Nodes::normals(&lights, bands, is_isotropic, &exits);
+        let sigma = ndf.projected(is_isotropic);
+        let slice = |&light: &DVec3| {
+            let factor = 4.0 * sigma.at(coordinates(light));
+            Slice::new(light, bands, &ndf, factor, (density, grid.points), &exits(light))
+        };
+        let slices: Vec<Slice> = lights.par_iter().map(slice).collect();
         let joined = |part: fn(&Slice) -> &Vec<f32>| slices.iter().flat_map(|s| part(s).iter().copied()).collect();
         Self {
             grid: grid.clone(),
             bands,
             density,
-            ndf: ndf.values,
+            ndf,
+            sigma,
             vndf: joined(|s| &s.vndf),
             luminance: joined(|s| &s.luminance),
             values: joined(|s| &s.values),
@@ -171,14 +182,20 @@ impl Warped {
             Field::bytes("description", description.as_bytes()),
             Field::floats("theta_i", &[t], single(&self.grid.theta)),
             Field::floats("phi_i", &[p], single(&self.grid.phi)),
-            Field::floats("ndf", &[h, w], self.ndf.clone()),
-            Field::floats("sigma", &[2, 2], vec![0.25; 4]),
+            Field::floats("ndf", &self.ndf.size, self.ndf.values.clone()),
+            Field::floats("sigma", &self.sigma.size, self.sigma.values.clone()),
             Field::floats("vndf", &[p, t, h, w], self.vndf.clone()),
             Field::floats("luminance", &[p, t, NODES, NODES], self.luminance.clone()),
             Field::floats(name, &[p, t, self.bands, NODES, NODES], self.values.clone()),
             Field::bytes("jacobian", &[1]),
         ]
     }
+}
+
+/// The coordinates (u, v) of a direction.
+fn coordinates(m: DVec3) -> [f64; 2] {
+    let theta = m.truncate().length().atan2(m.z);
+    [(2.0 * theta / PI).sqrt(), (m.y.atan2(m.x) + PI) / (2.0 * PI)]
 }
 
 /// The tables of one incidence.
@@ -188,31 +205,54 @@ struct Slice {
     values: Vec<f32>,
 }
 
-/// The half vector of coordinates (u, v), and solid angle of exits per area of them.
-fn half([u, v]: [f64; 2], light: DVec3) -> (DVec3, f64) {
+/// The direction of coordinates (u, v), and solid angle per area of them.
+fn direction_at([u, v]: [f64; 2]) -> (DVec3, f64) {
     let theta = 0.5 * PI * u * u;
-    let m = direction(theta, (2.0 * v - 1.0) * PI);
-    (m, 2.0 * PI * PI * u * theta.sin() * 4.0 * m.dot(light).max(0.0))
+    (direction(theta, (2.0 * v - 1.0) * PI), 2.0 * PI * PI * u * theta.sin())
 }
 
-/// D on nodes of the half vectors.
-struct Ndf {
-    /// Nodes along φ and θ.
-    density: [usize; 2],
+/// The half vector of coordinates (u, v), and solid angle of exits per area of them.
+fn half(at: [f64; 2], light: DVec3) -> (DVec3, f64) {
+    let (m, area) = direction_at(at);
+    (m, area * 4.0 * m.dot(light).max(0.0))
+}
+
+/// Values on nodes of directions, along φ and θ.
+#[derive(Clone, Debug, PartialEq)]
+struct Nodes {
+    size: [usize; 2],
     values: Vec<f32>,
 }
 
-impl Ndf {
-    /// Mean of f · 4 cos θ_i cos θ_o over incidences and bands, of an isotropic sample over azimuths, too.
-    fn new<'a>(lights: &[DVec3], bands: usize, density: [usize; 2], exits: impl Fn(DVec3) -> Exits<'a> + Sync) -> Self {
-        let [height, width] = density;
-        let is_isotropic = density == DENSITY[0];
+impl Nodes {
+    /// Bilinear between the nodes, as the reader has it.
+    fn at(&self, [u, v]: [f64; 2]) -> f64 {
+        let [height, width] = self.size;
+        let cell = |x: f64, n: usize| {
+            let at = (x * (n - 1) as f64).clamp(0.0, (n - 1) as f64);
+            let low = (at as usize).min(n - 2);
+            (low, at - low as f64)
+        };
+        let ((column, tx), (row, ty)) = (cell(u, width), cell(v, height));
+        let value = |r: usize, c: usize| f64::from(self.values[r * width + c]);
+        let along = |r: usize| (1.0 - tx) * value(r, column) + tx * value(r, column + 1);
+        (1.0 - ty) * along(row) + ty * along(row + 1)
+    }
+
+    /// D: the mean of f · 4 cos θ_i cos θ_o over incidences and bands, of an isotropic sample over azimuths, too.
+    fn normals<'a>(
+        lights: &[DVec3],
+        bands: usize,
+        is_isotropic: bool,
+        exits: impl Fn(DVec3) -> Exits<'a> + Sync,
+    ) -> Self {
+        let size @ [height, width] = NORMALS[usize::from(!is_isotropic)];
         let rows = if is_isotropic { AZIMUTHS } else { height };
         let of_light = |&light: &DVec3| {
             let exits = exits(light);
             let mut out = vec![0.0; bands];
             let mut value = |i: usize| {
-                // Rows of azimuths go half a turn beyond what the other half mirrors; the last of them is the first.
+                // Of the whole circle, the last row is the first; azimuths of an isotropic sample are counted once each.
                 let row = if is_isotropic { (i / width) as f64 / rows as f64 } else { node(i / width, rows) };
                 let (m, _) = half([node(i % width, width), row], light);
                 let exit = 2.0 * m.dot(light) * m - light;
@@ -238,21 +278,29 @@ impl Ndf {
             let row: Vec<_> = (0..width).map(row).collect();
             sums = row.iter().copied().cycle().take(height * width).collect();
         }
-        Self { density, values: floored(&sums) }
+        Self { size, values: floored(&sums) }
     }
 
-    /// Bilinear between its nodes, as the reader has it.
-    fn at(&self, [u, v]: [f64; 2]) -> f64 {
-        let [height, width] = self.density;
-        let cell = |x: f64, n: usize| {
-            let at = (x * (n - 1) as f64).clamp(0.0, (n - 1) as f64);
-            let low = (at as usize).min(n - 2);
-            (low, at - low as f64)
+    /// σ: the area of the normals that a direction sees, ∫ D max(0, m·ω) dm, for D in these nodes.
+    fn projected(&self, is_isotropic: bool) -> Self {
+        let [height, width] = self.size;
+        let size = SIGMA[usize::from(!is_isotropic)];
+        let step = 1.0 / (height * width) as f64;
+        let middle = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+        let normals: Vec<(DVec3, f64)> = (0..height * width)
+            .map(|i| {
+                let at = [middle(i % width, width), middle(i / width, height)];
+                let (m, area) = direction_at(at);
+                (m, self.at(at) * area * step)
+            })
+            .collect();
+        let sigma = |i: usize| {
+            let (light, _) = direction_at([node(i % size[1], size[1]), node(i / size[1], size[0])]);
+            normals.iter().map(|(m, weight)| weight * m.dot(light).max(0.0)).sum::<f64>() as f32
         };
-        let ((column, tx), (row, ty)) = (cell(u, width), cell(v, height));
-        let value = |r: usize, c: usize| f64::from(self.values[r * width + c]);
-        let along = |r: usize| (1.0 - tx) * value(r, column) + tx * value(r, column + 1);
-        (1.0 - ty) * along(row) + ty * along(row + 1)
+        let rows = if is_isotropic { 1 } else { size[0] };
+        let some: Vec<f32> = (0..rows * size[1]).into_par_iter().map(sigma).collect();
+        Self { size, values: some.iter().copied().cycle().take(size[0] * size[1]).collect() }
     }
 }
 
@@ -269,27 +317,34 @@ fn node(i: usize, n: usize) -> f64 {
 }
 
 impl Slice {
-    fn new(light: DVec3, bands: usize, ndf: &Ndf, points: usize, exits: &Exits<'_>) -> Self {
-        // BRDF times cosine, added with a weight.
-        let add = |m: DVec3, weight: f64, out: &mut [f64]| {
+    fn new(light: DVec3, bands: usize, ndf: &Nodes, factor: f64, size: ([usize; 2], usize), exits: &Exits<'_>) -> Self {
+        let ([height, width], points) = size;
+        // BRDF times cosine times 4 σ over D, added with a weight. The reader knows the horizon: below it goes on the odd function, which
+        // has no kink there.
+        let add = |m: DVec3, d: f64, weight: f64, out: &mut [f64]| {
             let exit = 2.0 * m.dot(light) * m - light;
-            if m.dot(light) > 0.0 && exit.z > 0.0 {
-                exits(exit, weight * exit.z, out);
+            if m.dot(light) <= 0.0 {
+                return;
             }
+            if exit.z > 0.0 {
+                return exits(exit, factor * weight * exit.z / d, out);
+            }
+            let above = exit.with_z(-exit.z);
+            exits(above, factor * weight * exit.z / ndf.at(coordinates((above + light).normalize())), out);
         };
-        let flux = |at: [f64; 2]| {
-            let (m, area) = half(at, light);
-            let mut all = vec![0.0; bands];
-            add(m, area / bands as f64, &mut all);
-            all.iter().sum::<f64>().max(0.0)
+        let scaled = |density: &dyn Fn([f64; 2]) -> f64| {
+            let at = |i: usize| density([node(i % width, width), node(i / width, height)]);
+            let all: Vec<f64> = (0..height * width).map(at).collect();
+            let mean = all.iter().sum::<f64>() / all.len() as f64;
+            all.into_iter().map(move |x| if mean > 0.0 { x / mean } else { 0.0 })
         };
-        let [height, width] = ndf.density;
-        let mut table: Vec<f64> =
-            (0..height * width).map(|i| flux([node(i % width, width), node(i / width, height)])).collect();
-        let mean = table.iter().sum::<f64>() / table.len() as f64;
-        // What is dark needs a place, too; a black sample has the same everywhere.
-        let dark = if mean > 0.0 { DARK * mean } else { 1.0 };
-        table.iter_mut().for_each(|x| *x += dark);
+        let seen = |at: [f64; 2]| direction_at(at).0.dot(light).max(0.0);
+        // Lobes have their place by the density of normals, what is around them by its root. Near the pole solid angles are so
+        // small that the table would have a kink there.
+        let lobe = scaled(&|at| ndf.at(at) * half(at, light).1);
+        let around = scaled(&|at| ndf.at(at).sqrt() * half(at, light).1);
+        let pole = scaled(&|at| ndf.at(at).sqrt() * seen(at));
+        let table: Vec<f64> = lobe.zip(around).zip(pole).map(|((l, a), p)| l + a + 0.5 * p + DARK).collect();
         // The reader's numbers are single.
         let vndf: Vec<f32> = table.iter().map(|&x| x as f32).collect();
         let warp = Warp::new(&vndf.iter().map(|&x| f64::from(x)).collect::<Vec<_>>(), width);
@@ -300,12 +355,12 @@ impl Slice {
             let mut value = vec![0.0; bands];
             for point in cell(s, points) {
                 let (to, _) = warp.draw(point);
-                add(half(to, light).0, 1.0 / ((points * points) as f64 * ndf.at(to)), &mut value);
+                add(half(to, light).0, ndf.at(to), 1.0 / (points * points) as f64, &mut value);
             }
             let (to, density) = warp.draw(s.map(inside));
             let mean = value.iter().sum::<f64>() / bands as f64;
-            luminance.push((mean * ndf.at(to) * half(to, light).1 / density).max(1e-5) as f32);
-            (0..bands).for_each(|b| values[b * NODES * NODES + at] = value[b].max(0.0) as f32);
+            luminance.push((mean * ndf.at(to) / factor * half(to, light).1 / density).max(1e-5) as f32);
+            (0..bands).for_each(|b| values[b * NODES * NODES + at] = value[b] as f32);
         }
         Self { vndf, luminance, values }
     }
