@@ -8,6 +8,7 @@ mod measure;
 mod medium;
 mod numbers;
 mod progress;
+mod report;
 mod scan;
 mod setup;
 
@@ -48,6 +49,8 @@ enum Command {
     Explain(explain::Options),
     /// What a detector reads that goes through the plane of incidence, from a result or from the sample itself
     Scan(scan::Options),
+    /// A result as one page of HTML: lobe, map, scans, spectra and colours, and how they came about
+    Report(report::Options),
     /// Built-in media, or a file of one: where its numbers come from, and what they are
     Materials(materials::Options),
 }
@@ -100,6 +103,7 @@ pub fn run() -> ExitCode {
         Some(Command::Film(options)) => film::run(options),
         Some(Command::Explain(options)) => explain::run(options),
         Some(Command::Scan(options)) => scan::run(options),
+        Some(Command::Report(options)) => report::run(options),
         Some(Command::Materials(options)) => materials::run(options),
         None => measure::run(&cli.measure),
     };
