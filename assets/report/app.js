@@ -12,10 +12,10 @@
     const long = most > 0 ? `${canvas.short(most)} /sr` : null;
     const grows = state.log ? `with the logarithm, from ${canvas.short(most / 10 ** colour.DECADES)} /sr at the centre` : "with the value";
     const paint = !state.trueColour ? "Colour: value, on the scale of the dome"
-      : "Colour: that of the facet in daylight, of all wavelengths, scaled to the brightest";
-    $("lobe-note").textContent = `${long ? `A radius of the disc is ${long}; facets grow ${grows}. ${paint}.`
-      : "No light reached the facets at this incidence."} Arrows: light from the source; what leaves exactly in the mirror direction `
-      + "or straight on, as thick as its share. Dashes: the mirror direction. Disc: the sample.";
+      : "Colour: that of the light of the facet in daylight (all wavelengths), each as bright as a screen can show";
+    $("lobe-note").textContent = `${long ? `The radius of the disc stands for ${long}; facets grow ${grows}. ${paint}.`
+      : "No light reached the facets at this incidence."} Arrows: light from the source (orange); what leaves exactly in the `
+      + "mirror direction or straight on (red), as thick as its share. Dashes: the mirror direction. Disc: the sample.";
   }
 
   function mapped() {
@@ -31,7 +31,7 @@
     $("scan-note").textContent = `${swatches.title(of)}, ${wavelengthName()}. Read from the facets under an aperture of ${payload.aperture}°, `
       + "nothing finer than these shows; with what leaves exactly in one direction, if the aperture looks there. Positive angles: the side "
       + `of the mirror direction (dashed line). Bands: ±2 standard errors.${mean}`
-      + `${state.log ? " Zeros have no place on a logarithmic scale." : ""}`;
+      + `${state.log ? " What is too little for the scale, or nothing, lies on its lower edge." : ""}`;
   }
 
   function sliders() {

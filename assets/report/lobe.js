@@ -19,11 +19,13 @@ const lobe = (() => {
     return log ? Math.max(0, colour.part(value, most)) : value / most;
   }
 
-  // The colours of the facets, each as bytes; null paints by value.
+  // The colours of the facets, each as bright as a screen can show: how much light it is, their length tells.
   function spectrum(of) {
-    const linear = of.facets.map((f, i) => (f.row < 0 ? [0, 0, 0] : colour.linear((w) => of.facet(i, w).value)));
-    const brightest = Math.max(...linear.flat(), 1e-300);
-    return linear.map((rgb) => colour.bytes(rgb, brightest));
+    return of.facets.map((f, i) => {
+      if (f.row < 0) return [0, 0, 0];
+      const rgb = colour.linear((w) => of.facet(i, w).value);
+      return colour.bytes(rgb, Math.max(...rgb, 1e-300));
+    });
   }
 
   // What is drawn: a scene in the coordinates of a canvas.
@@ -57,7 +59,7 @@ const lobe = (() => {
       const [p, q] = [node.corners[i], node.corners[(i + 1) % 3]];
       const n = dome.cross(q, p);
       if (dome.dot(n, scene.v) > 0) {
-        const light = 0.55 + 0.2 * Math.max(0, dome.dot(dome.unit(n), LIGHT));
+        const light = 0.6 + 0.2 * Math.max(0, dome.dot(dome.unit(n), LIGHT));
         polygon(scene, [origin, points[i], points[(i + 1) % 3]], colour.css(rgb, light));
       }
     }

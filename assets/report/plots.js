@@ -15,12 +15,11 @@ const plots = (() => {
     };
   }
 
-  // A curve with its band: three series of uPlot, of which the legend names the first.
+  // A curve with its band: three series of uPlot, of which the legend names the first. What is below `least` is put there.
   function curve({ name, of, ink, dash }, count, least) {
     const all = Array.from({ length: count }, (_, i) => of(i));
-    const shown = (y) => (least === null ? y : y > 0 ? Math.max(y, least) : null);
-    const edge = (sign) => all.map(({ value, se }) => (least === null ? value + sign * BAND * (se || 0)
-      : value > 0 ? Math.max(value + sign * BAND * (se || 0), least) : null));
+    const shown = (y) => (least === null ? y : Math.max(y, least));
+    const edge = (sign) => all.map(({ value, se }) => shown(value + sign * BAND * (se || 0)));
     const lines = { stroke: () => canvas.ink(ink), width: 1.6, dash, points: { show: count === 1 } };
     const none = { stroke: "transparent", width: 0, points: { show: false }, class: "band" };
     return {

@@ -8,14 +8,23 @@ const swatches = (() => {
     return element;
   };
 
-  // Stripes as wide as the aperture, each around its angle.
+  // Whether an aperture sees what leaves in exactly one direction.
+  function delta(of, angle, down) {
+    const exits = down ? payload.wavelengths.map((_, w) => of.straight(w)).filter((x) => x !== null) : [of.theta];
+    const share = of.share(down ? "undeflected" : "specular", -1).value;
+    return share > 0 && exits.some((exit) => Math.abs(exit - angle) <= payload.aperture);
+  }
+
+  // Stripes as wide as the aperture, each around its angle. What leaves in exactly one direction may outshine all else:
+  // it does not set the brightness, unless there is nothing else.
   function strip(of, down) {
     const linear = of.angles.map((_, i) => colour.linear((w) => of.reading(i, w, down).value));
-    const brightest = Math.max(...linear.flat());
+    const most = (all) => Math.max(0, ...all.flat());
+    const brightest = most(linear.filter((_, i) => !delta(of, of.angles[i], down))) || most(linear);
     if (!(brightest > 0)) return null;
     const edge = (angle) => `${(((angle + 90) / 180) * 100).toFixed(3)}%`;
     const stops = linear.map((rgb, i) => {
-      const ink = colour.css(colour.bytes(rgb, brightest));
+      const ink = colour.css(colour.bytes(rgb, Math.max(brightest, ...rgb)));
       return `${ink} ${edge(of.angles[i] - payload.aperture / 2)} ${edge(of.angles[i] + payload.aperture / 2)}`;
     });
     return `linear-gradient(to right,${stops.join(",")})`;
@@ -39,6 +48,7 @@ const swatches = (() => {
     grid.append(name, band, square);
   }
 
+  // An incidence, in short.
   const title = (of) => `θ ${of.theta}°${of.phi ? `, φ ${of.phi}°` : ""}`;
 
   function grid(down) {
@@ -53,7 +63,7 @@ const swatches = (() => {
   function draw(element) {
     if (!payload.eye) return;
     element.append(grid(false));
-    if (payload.transmits) element.append(box("note", "\u00a0"), grid(true));
+    if (payload.transmits) element.append(grid(true));
   }
 
   // Marks the chosen incidence.

@@ -153,6 +153,7 @@ def on_a_phone(browser, path: pathlib.Path, pictures: pathlib.Path) -> list[str]
     desk.page.tap("#map-up")
     desk.settle()
     expect(desk.text("facet") != before, "a tap chooses no facet", desk.problems)
+    desk.page.evaluate("() => scrollTo(0, 0)")
     desk.page.screenshot(path=pictures / f"{path.stem}-phone.png", full_page=True)
     return desk.close()
 

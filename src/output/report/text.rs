@@ -85,8 +85,9 @@ pub fn colour_note(known: bool) -> String {
         format!(
             "Colours of daylight (D65) to the CIE 1931 2° observer, in sRGB. Spectra go straight from each wavelength to the \
              next and stay as they are beyond the ends. Each strip shows what a detector with an aperture of {APERTURE_DEG}° sees \
-             in the plane of incidence, scaled so that the brightest place of the strip just fits a screen: brightness \
-             compares within a strip, not between strips. The square is the colour of all that is reflected, not scaled."
+             in the plane of incidence, scaled so that its brightest place just fits a screen: brightness compares within a \
+             strip, not between strips. What leaves exactly in one direction does not set that scale unless it is all there \
+             is; it is shown as bright as fits. At the right: all that is reflected or transmitted, not scaled."
         )
     } else {
         "The colour is not known: the wavelengths do not reach from 400 to 700 nm.".into()
@@ -123,7 +124,7 @@ pub fn stacks(stacks: &[StackHits]) -> String {
     format!(
         "<p>{} stacks solved, of {} {plural}. Share: power that met them over incident power, mean of all incidences and \
          wavelengths; light that meets several counts for each.</p><div class=\"wide\" tabindex=\"0\" role=\"region\" \
-         aria-label=\"Stacks of films\"><table><thead><tr><th>share</th><th>met</th><th>layers</th>\
+         aria-label=\"Stacks of films\"><table class=\"stacked\"><thead><tr><th>share</th><th>met</th><th>layers</th>\
          <th class=\"text\">media, from the side of the light</th></tr></thead><tbody>{rows}</tbody></table></div>",
         thousands(hits),
         stacks.len()
@@ -138,7 +139,7 @@ fn stack(s: &StackHits) -> String {
         } else {
             format!("{} to {}", show_length(*least), show_length(*most))
         };
-        format!("<span class=\"layer\">{} {thickness}</span>", escaped(medium))
+        format!("{} {thickness}", escaped(medium))
     };
     let mut layers: Vec<String> = s.media.iter().zip(&s.thickness_um).map(layer).collect();
     if s.layers > layers.len() {
