@@ -106,13 +106,12 @@ const lobe = (() => {
     const mirror = [-source[0], -source[1], source[2]];
     const straight = of.straight(w);
     const width = (share) => 1.5 + 8 * share;
-    const all = [
-      { d: source, draw: (s, r) => arrow(s, source, REACH, r, 2.5, ink.source) },
-      { d: mirror, draw: (s, r) => arrow(s, mirror, r, REACH, 1, ink.soft, true) },
-    ];
+    const all = [{ d: mirror, draw: (s, r) => arrow(s, mirror, r, REACH, 1, ink.soft, true) }];
     const part = (d, share) => share > 1e-6 && all.push({ d, draw: (s, r) => arrow(s, d, r, REACH, width(share), ink.delta) });
     part(mirror, of.share("specular", w).value);
     if (straight !== null) part(dome.direction(180 - straight, of.phi + 180), of.share("undeflected", w).value);
+    // Last, because at normal incidence it lies on that of the mirror direction.
+    all.push({ d: source, draw: (s, r) => arrow(s, source, REACH, r, 2, ink.source) });
     all.forEach((one) => { one.leaf = dome.find(top, one.d); });
     return all;
   }

@@ -110,7 +110,7 @@ const map = (() => {
     const { trees } = of.facets[facet];
     const name = shape.up ? "BRDF" : "BTDF";
     const doubt = trees > 0 && trees < payload.resolved ? " (unresolved: its error means little)" : "";
-    const number = `${canvas.short(value)} ± ${value > 0 ? canvas.short(Number(se.toPrecision(2))) : 0} /sr`;
+    const number = value > 0 ? `${canvas.short(value)} ± ${canvas.short(Number(se.toPrecision(2)))} /sr` : "0";
     return `Facet at θ ${theta.toFixed(1)}°, φ ${phi.toFixed(1)}°: ${name} ${number}, ${trees} tree${trees === 1 ? "" : "s"}${doubt}`;
   }
 

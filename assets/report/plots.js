@@ -41,7 +41,7 @@ const plots = (() => {
     const old = made.get(element);
     if (old) old.destroy();
     made.set(element, new uPlot({
-      width: Math.max(200, Math.floor(element.getBoundingClientRect().width)), height: 300,
+      width: Math.max(200, Math.floor(element.getBoundingClientRect().width)), height: canvas.printing() ? 210 : 300,
       pxAlign: 0, cursor: { drag: { x: false, y: false } },
       scales: { x: { time: false, range: xRange }, y: log ? { distr: 3, range: [least, 2 * most] } : { range: [0, 1.05 * most] } },
       axes: [axis(`${xName} / ${xUnit}`), axis(yName, { size: 62, values: (_, ticks) => ticks.map((t) => (t === null ? "" : canvas.short(t))) })],

@@ -3,14 +3,17 @@
     report.py --chromium /usr/bin/chromium --pictures DIR PAGE.html...
 
 No page may complain on the console or ask for anything; sliders must change the pictures, by the keyboard alone; nothing may
-need scrolling sideways on a phone. DIR gets pictures of each page on a desk, in the dark, on a phone and as printed.
+need scrolling sideways on a phone. If there is PAGE.nc, the scripts must read of each facet what that has. DIR gets pictures of
+each page on a desk, in the dark, on a phone and as printed.
 """
 
 import argparse
 import pathlib
 import sys
 
+import numpy as np
 from playwright.sync_api import Page, sync_playwright
+from scipy.io import netcdf_file
 
 PICTURES = ["lobe", "map-up", "map-down"]
 # What a canvas shows, as text: none if it is not there, empty if nothing is drawn.
@@ -22,6 +25,23 @@ LOOK = """id => {
     const picture = canvas.toDataURL();
     return picture === empty.toDataURL() ? '' : picture;
 }"""
+
+
+# All facets as the scripts of the page know them, and the entries of the ledger.
+FACETS = """() => Array.from({ length: payload.incidences }, (_, i) => {
+    const of = payload.incidence(i);
+    return of.facets.map((facet, f) => ({
+        angles: dome.angles(dome.center(dome.corners(facet))),
+        found: dome.find(lobe.tree(i), dome.center(dome.corners(facet))).facet === f,
+        trees: facet.trees,
+        values: payload.wavelengths.map((_, w) => of.facet(f, w).value),
+        errors: payload.wavelengths.map((_, w) => of.facet(f, w).se),
+    }));
+}).flat()"""
+LEDGER = """name => Array.from({ length: payload.incidences }, (_, i) =>
+    payload.wavelengths.map((_, w) => payload.incidence(i).share(name, w)).map((e) => [e.value, e.se]))"""
+# What packing may do: the page says how much it does.
+ROUNDING, ROUNDING_OF_ERRORS = 1e-3, 0.04
 
 
 class Desk:
@@ -120,6 +140,30 @@ def choices(desk: Desk):
     desk.settle()
 
 
+def numbers(desk: Desk, result: pathlib.Path):
+    """The scripts take out of the page what the result has, each facet in its place on the sphere."""
+    with netcdf_file(result, mmap=False) as file:
+        stored = {name: np.array(v.data) for name, v in file.variables.items()}
+    facets = desk.page.evaluate(FACETS)
+    read = {name: np.array([f[name] for f in facets]) for name in ["angles", "found", "trees", "values", "errors"]}
+    expect(bool(read["found"].all()), "facets that are not found at their centres", desk.problems)
+    expect(bool((read["trees"] == stored["facet_trees"]).all()), "facets were hit by other numbers of trees", desk.problems)
+    theta, phi = np.radians(read["angles"]).T
+    theta_o, phi_o = np.radians(stored["theta_o"]), np.radians(stored["phi_o"])
+    cosine = np.cos(theta) * np.cos(theta_o) + np.sin(theta) * np.sin(theta_o) * np.cos(phi - phi_o)
+    expect(bool((cosine > 1 - 1e-9).all()), "facets are in other places", desk.problems)
+    values = np.isclose(read["values"], stored["bsdf"], rtol=ROUNDING, atol=0)
+    expect(bool(values.all()), f"{(~values).sum()} values of facets differ", desk.problems)
+    # What is exact but for rounding counts as having a millionth of its value.
+    se = np.maximum(stored["bsdf_se"], np.where(stored["bsdf_se"] > 0, 1e-6 * stored["bsdf"], 0))
+    errors = np.isclose(read["errors"], se, rtol=ROUNDING_OF_ERRORS, atol=0)
+    expect(bool(errors.all()), f"{(~errors).sum()} standard errors of facets differ", desk.problems)
+    for name in ["reflected", "transmitted", "specular", "lost_numeric"]:
+        shares = np.array(desk.page.evaluate(LEDGER, name))
+        same = all(np.allclose(shares[..., i], stored[name + end], rtol=1e-6, atol=1e-30) for i, end in enumerate(["", "_se"]))
+        expect(same, f"the ledger has another {name}", desk.problems)
+
+
 def wide(desk: Desk, least: int):
     width = desk.page.evaluate("() => Math.max(document.documentElement.scrollWidth, document.body.scrollWidth)")
     expect(width <= least, f"{width} pixels wide on a screen of {least}", desk.problems)
@@ -130,6 +174,8 @@ def on_desk(browser, path: pathlib.Path, pictures: pathlib.Path) -> list[str]:
     look = desk.look()
     empty = [name for name, what in look.items() if not what and (name, what) != ("map-down", None)]
     expect(not empty, f"nothing is drawn in {empty}", desk.problems)
+    if path.with_suffix(".nc").exists():
+        numbers(desk, path.with_suffix(".nc"))
     reach_by_tab(desk)
     sliders(desk)
     choices(desk)

@@ -108,7 +108,12 @@ pub fn effects(effects: &[EffectUsed]) -> String {
     };
     let of = |e: &EffectUsed| {
         let state = if e.on { "<b>simulated</b>" } else { "left out" };
-        row(&[("name", escaped(&e.name)), ("", state.into()), ("number", bound(e.bound)), ("text", escaped(&e.reason))])
+        row(&[
+            ("name", escaped(&e.name)),
+            ("", state.into()),
+            ("number bound", bound(e.bound)),
+            ("text", escaped(&e.reason)),
+        ])
     };
     effects.iter().map(of).collect()
 }
@@ -124,7 +129,7 @@ pub fn stacks(stacks: &[StackHits]) -> String {
     format!(
         "<p>{} stacks solved, of {} {plural}. Share: power that met them over incident power, mean of all incidences and \
          wavelengths; light that meets several counts for each.</p><div class=\"wide\" tabindex=\"0\" role=\"region\" \
-         aria-label=\"Stacks of films\"><table class=\"stacked\"><thead><tr><th>share</th><th>met</th><th>layers</th>\
+         aria-label=\"Stacks of films\"><table><thead><tr><th>share</th><th>met</th><th>layers</th>\
          <th class=\"text\">media, from the side of the light</th></tr></thead><tbody>{rows}</tbody></table></div>",
         thousands(hits),
         stacks.len()
