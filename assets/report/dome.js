@@ -36,11 +36,17 @@ const dome = (() => {
     const [x, y, z] = node.edges;
     const part = (corners, edges) => ({ corners, edges, facet: node.facet });
     node.parts = [
-      part([a, ab, ca], [x, inner, z]), part([ab, b, bc], [x, y, inner]),
-      part([ca, bc, c], [inner, y, z]), part([ab, bc, ca], [inner, inner, inner]),
+      part([a, ab, ca], [x, inner, z]),
+      part([ab, b, bc], [x, y, inner]),
+      part([ca, bc, c], [inner, y, z]),
+      part([ab, bc, ca], [inner, inner, inner]),
     ];
     // Planes through the origin that cut off the corners, their normals towards these.
-    node.cuts = [[ab, ca, a], [bc, ab, b], [ca, bc, c]].map(([p, q, corner]) => {
+    node.cuts = [
+      [ab, ca, a],
+      [bc, ab, b],
+      [ca, bc, c],
+    ].map(([p, q, corner]) => {
       const n = cross(p, q);
       return dot(n, corner) < 0 ? n.map((x) => -x) : n;
     });

@@ -4,7 +4,6 @@ const lobe = (() => {
   // Azimuth and elevation of the eye, degrees.
   const START = { azimuth: -60, elevation: 22 };
   const eye = { ...START };
-  const REACH = 1.25;
   const LIGHT = dome.unit([-0.4, -0.5, 0.8]);
   const trees = new Map();
 
@@ -34,7 +33,7 @@ const lobe = (() => {
     const v = dome.direction(90 - eye.elevation, eye.azimuth);
     const right = dome.unit(dome.cross([0, 0, 1], v));
     const up = dome.cross(v, right);
-    const scale = Math.min(width, height) / 2 / (REACH + 0.12);
+    const scale = Math.min(width, height) / 2 / (arrows.REACH + 0.12);
     const place = (p, r = 1) => [width / 2 + scale * r * dome.dot(p, right), height / 2 - scale * r * dome.dot(p, up)];
     return { context, place, v, scale };
   }
@@ -77,45 +76,6 @@ const lobe = (() => {
     scene.context.stroke();
   }
 
-  // An arrow along a direction, from radius a to radius b.
-  function arrow(scene, direction, a, b, width, ink, dashed) {
-    const { context } = scene;
-    const [from, to] = [scene.place(direction, a), scene.place(direction, b)];
-    const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
-    const size = Math.hypot(dx, dy);
-    const head = Math.min(5 + 1.6 * width, size);
-    const base = size > 0 ? [to[0] - (dx / size) * head, to[1] - (dy / size) * head] : to;
-    context.strokeStyle = context.fillStyle = ink;
-    context.lineWidth = width;
-    context.setLineDash(dashed ? [4, 4] : []);
-    context.beginPath();
-    context.moveTo(...from);
-    context.lineTo(...(dashed ? to : base));
-    context.stroke();
-    context.setLineDash([]);
-    if (dashed || size < 2) return;
-    const [nx, ny] = [(-dy / size) * head * 0.5, (dx / size) * head * 0.5];
-    context.beginPath();
-    [to, [base[0] + nx, base[1] + ny], [base[0] - nx, base[1] - ny]].forEach((p, i) => (i ? context.lineTo(...p) : context.moveTo(...p)));
-    context.fill();
-  }
-
-  // Arrows, and the leaf in whose cone each begins: they come out of its top.
-  function arrows(of, w, top, ink) {
-    const source = dome.direction(of.theta, of.phi);
-    const mirror = [-source[0], -source[1], source[2]];
-    const straight = of.straight(w);
-    const width = (share) => 1.5 + 8 * share;
-    const all = [{ d: mirror, draw: (s, r) => arrow(s, mirror, r, REACH, 1, ink.soft, true) }];
-    const part = (d, share) => share > 1e-6 && all.push({ d, draw: (s, r) => arrow(s, d, r, REACH, width(share), ink.delta) });
-    part(mirror, of.share("specular", w).value);
-    if (straight !== null) part(dome.direction(180 - straight, of.phi + 180), of.share("undeflected", w).value);
-    // Last, because at normal incidence it lies on that of the mirror direction.
-    all.push({ d: source, draw: (s, r) => arrow(s, source, REACH, r, 2, ink.source) });
-    all.forEach((one) => { one.leaf = dome.find(top, one.d); });
-    return all;
-  }
-
   function sample(scene, ink) {
     const ring = Array.from({ length: 73 }, (_, i) => scene.place(dome.direction(90, i * 5)));
     const { context } = scene;
@@ -134,19 +94,22 @@ const lobe = (() => {
     context.fillText("y", ...scene.place([0, 1.09, 0]));
   }
 
+  function inks() {
+    const soft = canvas.ink("soft");
+    return { source: canvas.ink("two"), delta: canvas.ink("accent"), soft, plane: `${soft}2b` };
+  }
+
   // Draws it; returns the value that is one radius long.
   function draw(element, { incidence, wavelength, log, trueColour }) {
     const of = payload.incidence(incidence);
     const top = tree(incidence);
     const scene = stage(element);
-    const ink = {
-      source: canvas.ink("two"), delta: canvas.ink("accent"), soft: canvas.ink("soft"), plane: `${canvas.ink("soft")}2b`,
-    };
+    const ink = inks();
     const values = of.facets.map((_, f) => of.facet(f, wavelength).value);
-    const most = Math.max(...values, 0);
+    const most = values.reduce((a, b) => Math.max(a, b), 0);
     const seen = trueColour && payload.eye ? spectrum(of) : null;
     const paint = (f) => (seen ? seen[f] : colour.viridis(colour.part(values[f], payload.most)));
-    const marks = arrows(of, wavelength, top, ink);
+    const marks = arrows.all(of, wavelength, top, ink);
     const leaf = (node) => {
       const r = length(values[node.facet], most, log);
       const here = marks.filter((mark) => mark.leaf === node);
@@ -157,7 +120,8 @@ const lobe = (() => {
     };
     // The half of the dome behind the sample, the sample, the other half.
     const eyeUp = scene.v[2] >= 0;
-    const half = (up) => dome.fromBehind(top, scene.v, (n) => n.corners[0][2] + n.corners[1][2] + n.corners[2][2] > 0 === up && leaf(n));
+    const half = (up) =>
+      dome.fromBehind(top, scene.v, (n) => n.corners[0][2] + n.corners[1][2] + n.corners[2][2] > 0 === up && leaf(n));
     half(!eyeUp);
     sample(scene, ink);
     half(eyeUp);
@@ -172,14 +136,21 @@ const lobe = (() => {
   // Lets people turn it; `redraw` is called when they did.
   function listen(element, redraw) {
     let last = null;
-    element.addEventListener("pointerdown", (e) => { last = [e.clientX, e.clientY]; element.setPointerCapture(e.pointerId); });
+    element.addEventListener("pointerdown", (e) => {
+      last = [e.clientX, e.clientY];
+      element.setPointerCapture(e.pointerId);
+    });
     element.addEventListener("pointermove", (e) => {
       if (!last) return;
       turn((last[0] - e.clientX) * 0.5, (e.clientY - last[1]) * 0.5);
       last = [e.clientX, e.clientY];
       redraw();
     });
-    ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, () => { last = null; }));
+    ["pointerup", "pointercancel"].forEach((name) =>
+      element.addEventListener(name, () => {
+        last = null;
+      }),
+    );
     const keys = { ArrowLeft: [-10, 0], ArrowRight: [10, 0], ArrowUp: [0, 10], ArrowDown: [0, -10] };
     element.addEventListener("keydown", (e) => {
       if (e.key === "0") Object.assign(eye, START);

@@ -8,18 +8,27 @@ const map = (() => {
   function outline(facet) {
     const steps = 32 >> Math.min(facet.level, 5);
     const [a, b, c] = dome.corners(facet);
-    return [[a, b], [b, c], [c, a]].flatMap(([p, q]) => Array.from({ length: steps }, (_, i) => {
-      const t = i / steps;
-      return dome.flat(dome.unit([0, 1, 2].map((k) => p[k] + t * (q[k] - p[k]))));
-    }));
+    return [
+      [a, b],
+      [b, c],
+      [c, a],
+    ].flatMap(([p, q]) =>
+      Array.from({ length: steps }, (_, i) => {
+        const t = i / steps;
+        return dome.flat(dome.unit([0, 1, 2].map((k) => p[k] + t * (q[k] - p[k]))));
+      }),
+    );
   }
 
   function shapes(i) {
     if (!outlines.has(i)) {
-      outlines.set(i, payload.incidence(i).facets.map((facet) => {
-        const center = dome.center(dome.corners(facet));
-        return { up: center[2] > 0, center, points: outline(facet) };
-      }));
+      outlines.set(
+        i,
+        payload.incidence(i).facets.map((facet) => {
+          const center = dome.center(dome.corners(facet));
+          return { up: center[2] > 0, center, points: outline(facet) };
+        }),
+      );
     }
     return outlines.get(i);
   }
@@ -55,8 +64,11 @@ const map = (() => {
     const source = dome.direction(of.theta, of.phi);
     const straight = of.straight(wavelength);
     const share = of.share(up ? "specular" : "undeflected", wavelength).value;
-    const exit = up ? [-source[0], -source[1], source[2]]
-      : straight === null ? null : dome.direction(180 - straight, of.phi + 180);
+    const exit = up
+      ? [-source[0], -source[1], source[2]]
+      : straight === null
+        ? null
+        : dome.direction(180 - straight, of.phi + 180);
     if (exit) {
       const at = place(dome.flat(exit));
       context.globalAlpha = 0.6;
@@ -67,8 +79,10 @@ const map = (() => {
     if (!up) return;
     const [x, y] = place(dome.flat(source));
     context.beginPath();
-    context.moveTo(x - 5, y - 5); context.lineTo(x + 5, y + 5);
-    context.moveTo(x - 5, y + 5); context.lineTo(x + 5, y - 5);
+    context.moveTo(x - 5, y - 5);
+    context.lineTo(x + 5, y + 5);
+    context.moveTo(x - 5, y + 5);
+    context.lineTo(x + 5, y - 5);
     context.lineWidth = 1.8;
     context.stroke();
   }
@@ -151,7 +165,8 @@ const map = (() => {
     const ticks = Array.from({ length: colour.DECADES + 1 }, (_, i) => payload.most * 10 ** (i - colour.DECADES));
     element.innerHTML = `<div class="bar" style="background:linear-gradient(to right,${stops.join(",")})"></div>
       <div class="ticks">${ticks.map((x) => `<span>${canvas.short(x)}</span>`).join("")}</div><div>BSDF, 1/sr</div>`;
-    if (!(payload.most > 0)) element.textContent = "No light reached the facets: all leaves exactly in the mirror direction, or straight on.";
+    if (!(payload.most > 0))
+      element.textContent = "No light reached the facets: all leaves exactly in the mirror direction, or straight on.";
   }
 
   return { draw, words, listen, legend };

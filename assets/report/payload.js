@@ -41,7 +41,10 @@ const payload = (() => {
     const hits = new Uint32Array(bytes(packed.hits));
     let row = 0;
     const facets = Array.from(new Uint32Array(bytes(packed.facets)), (key, i) => ({
-      level: key >>> 28, code: key & 0xfffffff, trees: hits[i], row: hits[i] > 0 ? row++ : -1,
+      level: key >>> 28,
+      code: key & 0xfffffff,
+      trees: hits[i],
+      row: hits[i] > 0 ? row++ : -1,
     }));
     const bsdf = table(packed.bsdf, columns);
     const above = table(packed.above, wavelengths);
@@ -51,8 +54,12 @@ const payload = (() => {
     // Wavelength -1 is the mean of all.
     const at = (of, w) => (w < 0 ? mean(of) : of(w));
     return {
-      theta: packed.theta_deg, phi: packed.phi_deg, trees: packed.trees, segments: packed.segments,
-      facets, angles,
+      theta: packed.theta_deg,
+      phi: packed.phi_deg,
+      trees: packed.trees,
+      segments: packed.segments,
+      facets,
+      angles,
       facet: (i, w) => (facets[i].row < 0 ? none : at((v) => bsdf(facets[i].row, data.columns[v]), w)),
       reading: (i, w, down) => at((v) => (down ? below : above)(i, v), w),
       // By name, or by its number among the entries and after them the bodies that absorb.
@@ -87,8 +94,15 @@ const payload = (() => {
   }
 
   return {
-    incidence, most: most(), incidences: data.incidences.length, wavelengths: data.wavelength_nm, eye: data.eye,
-    resolved: data.resolved, aperture: data.aperture_deg, transmits: data.transmits,
-    entries: data.ledger, groups: data.groups,
+    incidence,
+    most: most(),
+    incidences: data.incidences.length,
+    wavelengths: data.wavelength_nm,
+    eye: data.eye,
+    resolved: data.resolved,
+    aperture: data.aperture_deg,
+    transmits: data.transmits,
+    entries: data.ledger,
+    groups: data.groups,
   };
 })();

@@ -8,9 +8,13 @@ const plots = (() => {
 
   function axis(label, extra = {}) {
     return {
-      label, labelSize: 22, labelFont: "13px system-ui, sans-serif", font: "12px system-ui, sans-serif",
+      label,
+      labelSize: 22,
+      labelFont: "13px system-ui, sans-serif",
+      font: "12px system-ui, sans-serif",
       stroke: () => canvas.ink("ink"),
-      grid: { stroke: () => canvas.ink("line"), width: 1 }, ticks: { stroke: () => canvas.ink("line"), width: 1 },
+      grid: { stroke: () => canvas.ink("line"), width: 1 },
+      ticks: { stroke: () => canvas.ink("line"), width: 1 },
       ...extra,
     };
   }
@@ -26,30 +30,41 @@ const plots = (() => {
       data: [all.map((e) => shown(e.value)), edge(1), edge(-1)],
       series: [
         { label: name, ...lines, value: (_, __, ___, i) => (i === null ? "" : canvas.estimate(all[i])) },
-        { label: "", ...none }, { label: "", ...none },
+        { label: "", ...none },
+        { label: "", ...none },
       ],
       most: Math.max(...all.map((e) => e.value + BAND * (e.se || 0))),
     };
   }
 
-  function draw(element, { x, xName, xUnit, yName, xRange, curves, log, mark }) {
-    const values = curves.map((c) => curve(c, x.length, null));
-    const most = Math.max(...values.map((v) => v.most), 0) || 1;
+  // A plot of `curves` over `x`: { name, unit, range, ticks, values } and the name of y; `mark` is an x with a line, or null.
+  function draw(element, { x, y, curves, log, mark }) {
+    const count = x.values.length;
+    const most = Math.max(0, ...curves.map((c) => curve(c, count, null).most)) || 1;
     const least = log ? most / 10 ** LOG_DECADES : null;
-    const drawn = log ? curves.map((c) => curve(c, x.length, least)) : values;
-    const bands = drawn.map((_, i) => ({ series: [3 * i + 2, 3 * i + 3], fill: () => `${canvas.ink(curves[i].ink)}40` }));
-    const old = made.get(element);
-    if (old) old.destroy();
-    made.set(element, new uPlot({
-      width: Math.max(200, Math.floor(element.getBoundingClientRect().width)), height: canvas.printing() ? 210 : 300,
-      pxAlign: 0, cursor: { drag: { x: false, y: false } },
-      scales: { x: { time: false, range: xRange }, y: log ? { distr: 3, range: [least, 2 * most] } : { range: [0, 1.05 * most] } },
-      axes: [axis(`${xName} / ${xUnit}`), axis(yName, { size: 62, values: (_, ticks) => ticks.map((t) => (t === null ? "" : canvas.short(t))) })],
-      series: [{ label: xName, value: (_, v) => (v === null ? "" : `${canvas.short(v)}${xUnit === "°" ? "" : " "}${xUnit}`) },
-        ...drawn.flatMap((d) => d.series)],
-      bands,
-      hooks: { drawClear: mark === null ? [] : [(u) => vertical(u, mark)] },
-    }, [x, ...drawn.flatMap((d) => d.data)], element));
+    const drawn = curves.map((c) => curve(c, count, least));
+    const unit = `${x.unit === "°" ? "" : " "}${x.unit}`;
+    const first = { label: x.name, value: (_, v) => (v === null ? "" : `${canvas.short(v)}${unit}`) };
+    const labels = (_, ticks) => ticks.map((t) => (t === null ? "" : canvas.short(t)));
+    const options = {
+      width: Math.max(200, Math.floor(element.getBoundingClientRect().width)),
+      height: canvas.printing() ? 210 : 300,
+      pxAlign: 0,
+      cursor: { drag: { x: false, y: false } },
+      scales: {
+        x: { time: false, range: x.range },
+        y: log ? { distr: 3, range: [least, 2 * most] } : { range: [0, 1.05 * most] },
+      },
+      axes: [
+        axis(`${x.name} / ${x.unit}`, x.ticks ? { splits: () => x.ticks } : {}),
+        axis(y, { size: 62, values: labels }),
+      ],
+      series: [first, ...drawn.flatMap((d) => d.series)],
+      bands: curves.map((c, i) => ({ series: [3 * i + 2, 3 * i + 3], fill: () => `${canvas.ink(c.ink)}40` })),
+      hooks: { draw: mark === null ? [] : [(u) => vertical(u, mark)] },
+    };
+    made.get(element)?.destroy();
+    made.set(element, new uPlot(options, [x.values, ...drawn.flatMap((d) => d.data)], element));
   }
 
   // A line at what a slider or the geometry marks.
@@ -72,10 +87,11 @@ const plots = (() => {
   function scan(element, { incidence, wavelength, log }) {
     const of = payload.incidence(incidence);
     const curves = [{ name: "above (BRDF)", ink: "one", of: (i) => of.reading(i, wavelength, false) }];
-    if (payload.transmits) curves.push({ name: "below (BTDF)", ink: "two", dash: [6, 3], of: (i) => of.reading(i, wavelength, true) });
-    draw(element, {
-      x: of.angles, xName: "exit angle", xUnit: "°", yName: "BSDF / (1/sr)", xRange: [-90, 90], curves, log, mark: of.theta,
-    });
+    if (payload.transmits)
+      curves.push({ name: "below (BTDF)", ink: "two", dash: [6, 3], of: (i) => of.reading(i, wavelength, true) });
+    const ticks = [-90, -60, -30, 0, 30, 60, 90];
+    const x = { name: "exit angle", unit: "°", range: [-90, 90], ticks, values: of.angles };
+    draw(element, { x, y: "BSDF / (1/sr)", curves, log, mark: of.theta });
   }
 
   // Where the power goes.
@@ -83,15 +99,18 @@ const plots = (() => {
     const of = payload.incidence(incidence);
     const all = payload.wavelengths;
     const shares = [
-      ["reflected", "one"], ["transmitted", "two"], ["absorbed", "three"], ["side", "four"],
-      ["specular", "one", [3, 3]], ["undeflected", "two", [3, 3]],
+      ["reflected", "one"],
+      ["transmitted", "two"],
+      ["absorbed", "three"],
+      ["side", "four"],
+      ["specular", "one", [3, 3]],
+      ["undeflected", "two", [3, 3]],
     ].map(([name, ink, dash]) => ({ name, ink, dash, of: (w) => of.share(name, w) }));
     const curves = shares.filter((c, i) => i < 1 || all.some((_, w) => c.of(w).value !== 0));
     const room = all.length > 1 ? 0 : 10;
-    draw(element, {
-      x: all, xName: "wavelength", xUnit: "nm", yName: "share", xRange: [all[0] - room, all[all.length - 1] + room],
-      curves, log: false, mark: wavelength < 0 ? null : all[wavelength],
-    });
+    const range = [all[0] - room, all[all.length - 1] + room];
+    const x = { name: "wavelength", unit: "nm", range, values: all };
+    draw(element, { x, y: "share", curves, log: false, mark: wavelength < 0 ? null : all[wavelength] });
   }
 
   return { scan, spectra };

@@ -39,7 +39,10 @@ const swatches = (() => {
     if (background) band.style.background = background;
     else band.textContent = "nothing in the plane of incidence";
     const square = box("total");
-    const rgb = colour.bytes(colour.linear((w) => of.share(down ? "transmitted" : "reflected", w).value), 1);
+    const rgb = colour.bytes(
+      colour.linear((w) => of.share(down ? "transmitted" : "reflected", w).value),
+      1,
+    );
     square.style.background = colour.css(rgb);
     const hex = `#${rgb.map((x) => x.toString(16).padStart(2, "0")).join("")}`;
     square.title = hex;
@@ -68,7 +71,9 @@ const swatches = (() => {
 
   // Marks the chosen incidence.
   function choose(element, i) {
-    element.querySelectorAll("[data-incidence]").forEach((name) => name.classList.toggle("chosen", Number(name.dataset.incidence) === i));
+    element
+      .querySelectorAll("[data-incidence]")
+      .forEach((name) => name.classList.toggle("chosen", Number(name.dataset.incidence) === i));
   }
 
   return { draw, choose, title };

@@ -11,7 +11,11 @@ const tables = (() => {
   function fill(element, head, rows) {
     const table = document.createElement("table");
     const top = table.createTHead().insertRow();
-    head.forEach((text) => { const th = cell("th", text); th.scope = "col"; top.append(th); });
+    head.forEach((text) => {
+      const th = cell("th", text);
+      th.scope = "col";
+      top.append(th);
+    });
     const body = table.createTBody();
     rows.forEach(({ cells, chosen }) => {
       const tr = body.insertRow();
@@ -20,7 +24,11 @@ const tables = (() => {
         const [value, se] = text.split(" ±");
         const td = cell(i ? "td" : "th", value);
         if (i === 0) td.scope = "row";
-        if (se !== undefined) { const small = cell("span", ` ±${se}`); small.className = "se"; td.append(small); }
+        if (se !== undefined) {
+          const small = cell("span", ` ±${se}`);
+          small.className = "se";
+          td.append(small);
+        }
         tr.append(td);
       });
     });
@@ -48,18 +56,22 @@ const tables = (() => {
     }));
     fill(element, ["λ / nm", ...columns.map((e) => all[e])], rows);
     const zero = all.filter((_, e) => !there[e]);
-    note.textContent = `${swatches.title(of)}. Shares of the incident power with their standard errors. reflected + transmitted + `
-      + "absorbed + side + lost = 1; specular is part of reflected, undeflected of transmitted"
-      + `${zero.length ? `. Zero at all incidences and wavelengths: ${zero.join(", ")}` : ""}. `
-      + `${of.trees} trees, ${of.segments} segments.`;
+    note.textContent =
+      `${swatches.title(of)}. Shares of the incident power with their standard errors. reflected + transmitted + ` +
+      "absorbed + side + lost = 1; specular is part of reflected, undeflected of transmitted" +
+      `${zero.length ? `. Zero at all incidences and wavelengths: ${zero.join(", ")}` : ""}. ` +
+      `${of.trees} trees, ${of.segments} segments.`;
   }
 
   // The readings of the scan.
   function scan(element, { incidence, wavelength }) {
     const of = payload.incidence(incidence);
     const rows = of.angles.map((angle, i) => ({
-      cells: [String(Number(angle.toFixed(4))), canvas.estimate(of.reading(i, wavelength, false)),
-        ...(payload.transmits ? [canvas.estimate(of.reading(i, wavelength, true))] : [])],
+      cells: [
+        String(Number(angle.toFixed(4))),
+        canvas.estimate(of.reading(i, wavelength, false)),
+        ...(payload.transmits ? [canvas.estimate(of.reading(i, wavelength, true))] : []),
+      ],
     }));
     fill(element, ["exit / °", "above / (1/sr)", ...(payload.transmits ? ["below / (1/sr)"] : [])], rows);
   }

@@ -1,7 +1,7 @@
 //! A result as one page of HTML that needs nothing else: no network, no other file.
 //!
 //! The page is a template with its style and scripts in `assets/report`, the texts that do not change made here, and a
-//! payload ([`data`]) from which the scripts draw what the sliders choose.
+//! payload (`data`) from which the scripts draw what the sliders choose.
 
 mod data;
 mod eye;
@@ -18,11 +18,12 @@ const LIBRARY: &str = include_str!("../../../assets/report/vendor/uPlot.min.js")
 const LIBRARY_VERSION: &str = include_str!("../../../assets/report/vendor/uPlot.version");
 const LIBRARY_LICENCE: &str = include_str!("../../../assets/report/vendor/uPlot.LICENSE");
 /// Scripts, each of which uses those before it.
-const SCRIPTS: [&str; 10] = [
+const SCRIPTS: [&str; 11] = [
     include_str!("../../../assets/report/payload.js"),
     include_str!("../../../assets/report/dome.js"),
     include_str!("../../../assets/report/colour.js"),
     include_str!("../../../assets/report/canvas.js"),
+    include_str!("../../../assets/report/arrows.js"),
     include_str!("../../../assets/report/lobe.js"),
     include_str!("../../../assets/report/map.js"),
     include_str!("../../../assets/report/plots.js"),
