@@ -5,7 +5,7 @@
 # What was chosen, and why (minified sizes):
 #   scans, spectra   uPlot, 51 kB, MIT: axes, logarithmic scales, bands, gaps and a legend with values, drawn on a canvas.
 #                    Observable Plot with d3 has 490 kB, the basic bundle of Plotly 1.2 MB.
-#   lobe             none. three.js has 700 kB; a page for WebGL alone would be small, but a canvas is also there where WebGL
+#   lobe             none. three.js has 2.1 MB before it is minified; WebGL alone would be small, but a canvas is also there where WebGL
 #                    is not (old machines, printing, remote desktops), and the tree of the dome is a binary space partition:
 #                    walked from the back it draws the facets in an exact painter's order, without a depth buffer.
 #   map              none: polygons on a canvas, by the projection that the SVG picture has.
