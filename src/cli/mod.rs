@@ -9,6 +9,7 @@ mod measure;
 mod medium;
 mod numbers;
 mod progress;
+mod report;
 mod scan;
 mod setup;
 
@@ -51,6 +52,8 @@ enum Command {
     Scan(scan::Options),
     /// A result in the format of another program
     Export(export::Options),
+    /// A result as one page of HTML: lobe, map, scans, spectra and colours, and how they came about
+    Report(report::Options),
     /// Built-in media, or a file of one: where its numbers come from, and what they are
     Materials(materials::Options),
 }
@@ -104,6 +107,7 @@ pub fn run() -> ExitCode {
         Some(Command::Explain(options)) => explain::run(options),
         Some(Command::Scan(options)) => scan::run(options),
         Some(Command::Export(options)) => export::run(options),
+        Some(Command::Report(options)) => report::run(options),
         Some(Command::Materials(options)) => materials::run(options),
         None => measure::run(&cli.measure),
     };

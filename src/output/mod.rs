@@ -8,6 +8,7 @@ pub mod materials;
 mod measured;
 pub mod netcdf;
 pub mod plan;
+pub mod report;
 pub mod scan;
 pub mod summary;
 pub mod table;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::measured::{Measured, StackHits, Validity};
+use super::measured::{Measured, StackHits};
 use crate::bsdf::{Ledger, Scattering};
 use crate::dome::Estimate;
 use crate::plan::features::SMALL;
@@ -86,11 +86,9 @@ fn notes(out: &mut String, measured: &Measured) {
     let list = |on: bool| p.effects.iter().filter(|e| e.on == on).map(|e| &e.name[..]).collect::<Vec<_>>().join(", ");
     let _ = writeln!(out, "simulated: {}; not needed: {}", or_none(list(true)), or_none(list(false)));
     stacks(out, &p.stacks);
-    let loss = measured.bsdf.largest_loss();
-    if loss > 0.0 {
-        let _ = writeln!(out, "energy lost: {loss:.1e} at most");
-    }
-    validity(out, &p.validity);
+    doubts(measured).iter().for_each(|doubt| {
+        let _ = writeln!(out, "{doubt}");
+    });
 }
 
 /// Stacks, and layers of them, that are listed.
@@ -139,28 +137,32 @@ fn or_none(list: String) -> String {
 /// Shares below this are not worth a line.
 const NEGLIGIBLE: f64 = 0.005;
 
-fn validity(out: &mut String, v: &Validity) {
+/// What is to be said against the result, a line each.
+pub fn doubts(measured: &Measured) -> Vec<String> {
+    let v = &measured.provenance.validity;
+    let mut all = Vec::new();
+    let loss = measured.bsdf.largest_loss();
+    if loss > 0.0 {
+        all.push(format!("energy lost: {loss:.1e} at most"));
+    }
     if v.edge_flux >= NEGLIGIBLE {
-        let _ = writeln!(
-            out,
-            "films end near where up to {:.1} % of the light met them; there {}",
-            100.0 * v.edge_flux,
-            if v.edges == "reject" {
-                "none was taken (--edges reject)"
-            } else {
-                "they count as endless (--edges column)"
-            }
-        );
+        let done = if v.edges == "reject" {
+            "none was taken (--edges reject)"
+        } else {
+            "they count as endless (--edges column)"
+        };
+        let share = 100.0 * v.edge_flux;
+        all.push(format!("films end near where up to {share:.1} % of the light met them; there {done}"));
     }
-    if v.small_feature_flux < NEGLIGIBLE {
-        return;
+    if v.small_feature_flux >= NEGLIGIBLE {
+        let smallest = v.smallest_feature_um.map(|um| format!(" (smallest feature {})", show_length(um)));
+        all.push(format!(
+            "ray optics is in doubt for up to {:.1} % of the light: it met faces narrower than {SMALL} wavelengths{}",
+            100.0 * v.small_feature_flux,
+            smallest.unwrap_or_default()
+        ));
     }
-    let _ = writeln!(
-        out,
-        "ray optics is in doubt for up to {:.1} % of the light: it met faces narrower than {SMALL} wavelengths{}",
-        100.0 * v.small_feature_flux,
-        v.smallest_feature_um.map_or_else(String::new, |um| format!(" (smallest feature {})", show_length(um)))
-    );
+    all
 }
 
 #[cfg(test)]
