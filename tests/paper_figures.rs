@@ -12,8 +12,6 @@ mod figure;
 mod morpho;
 #[path = "../examples/figures/paper.rs"]
 mod paper;
-#[path = "../examples/figures/picture.rs"]
-mod picture;
 
 use figure::{Effort, Figure, Result};
 
@@ -22,7 +20,7 @@ fn check(draw: fn(Effort) -> Result<Figure>, effort: Effort) {
     figure.finds.iter().for_each(|line| println!("{line}"));
     let failed: Vec<&str> = figure.claims.iter().filter(|c| !c.holds).map(|c| &c.what[..]).collect();
     assert!(!figure.claims.is_empty() && failed.is_empty(), "{failed:#?}\n{:#?}", figure.finds);
-    let png = picture::png(&figure.svg).unwrap();
+    let png = gonio_embree::plot::png(&figure.svg).unwrap();
     assert!(png.len() > 10_000, "{} has next to nothing in it", figure.title);
 }
 

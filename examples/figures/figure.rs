@@ -9,7 +9,7 @@ use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelength
 use gonio_embree::output::atomic;
 use gonio_embree::sample::{Description, Sample};
 
-use super::picture;
+use gonio_embree::plot;
 
 pub type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -65,7 +65,7 @@ impl Figure {
     pub fn write(&self, number: &str, out: &Path) -> Result<()> {
         let file = |extension: &str| out.join(format!("figure-{number}.{extension}"));
         atomic::write(&file("svg"), self.svg.as_bytes())?;
-        atomic::write(&file("png"), &picture::png(&self.svg)?)?;
+        atomic::write(&file("png"), &plot::png(&self.svg)?)?;
         Ok(atomic::write(&file("csv"), self.csv.0.as_bytes())?)
     }
 }

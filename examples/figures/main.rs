@@ -15,7 +15,6 @@ mod figure;
 mod morpho;
 mod page;
 mod paper;
-mod picture;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -1,6 +1,8 @@
 //! The result: spectral BRDF and BTDF with standard errors, and the energy ledger.
 
+pub mod compare;
 mod lookup;
+mod overlay;
 mod reciprocity;
 mod sampling;
 mod scan;
@@ -10,6 +12,7 @@ use crate::light::{Incidence, Light};
 use crate::plan::Plan;
 
 pub use lookup::{Blend, Lookup, Part, turned};
+pub use overlay::{Overlay, Point};
 pub use reciprocity::Reciprocity;
 pub use sampling::{Drawn, Sampler};
 pub use scan::{Arm, Reading, Scan};

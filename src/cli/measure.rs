@@ -1,5 +1,6 @@
 //! The default command: measure a sample.
 
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -55,11 +56,18 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let bytes = netcdf::to_bytes(&measured).map_err(|e| Failure::Cannot(e.to_string()))?;
     write(&output, &bytes)?;
     write(&picture, plot::measurement(&measured).as_bytes())?;
-    answer(&if options.json { summary::json(&measured, &run) + "\n" } else { table::text(&measured) })?;
+    answer(&if options.json { summary::json(&measured, &run) + "\n" } else { table::text(&measured, chips()) })?;
     if !options.quiet {
         tell(&format!("wrote {} and {}; {times}", output.display(), picture.display()));
     }
     options.gate(&measured)
+}
+
+/// Whether standard output is a terminal that shows any colour, and the user has not asked for none (no-color.org).
+fn chips() -> bool {
+    let set = |name| std::env::var_os(name).is_some_and(|v: std::ffi::OsString| !v.is_empty());
+    let colours = std::env::var("COLORTERM").is_ok_and(|v| v == "truecolor" || v == "24bit");
+    std::io::stdout().is_terminal() && colours && !set("NO_COLOR")
 }
 
 fn times(outcome: &Outcome) -> String {

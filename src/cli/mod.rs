@@ -1,5 +1,6 @@
 //! The command line: what the user typed becomes a measurement, and the outcome an exit code.
 
+mod compare;
 mod explain;
 mod export;
 mod film;
@@ -8,6 +9,7 @@ mod materials;
 mod measure;
 mod medium;
 mod numbers;
+mod picture;
 mod progress;
 mod report;
 mod scan;
@@ -22,6 +24,7 @@ use std::sync::OnceLock;
 use clap::{Parser, Subcommand};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::output::{Measured, atomic, netcdf};
+use gonio_embree::plot;
 
 /// A virtual goniospectrophotometer: the spectral BRDF and BTDF of a sample from its microgeometry, with error bars.
 #[derive(Debug, Parser)]
@@ -50,6 +53,10 @@ enum Command {
     Explain(explain::Options),
     /// What a detector reads that goes through the plane of incidence, from a result or from the sample itself
     Scan(scan::Options),
+    /// Whether two results differ by more than chance
+    Compare(compare::Options),
+    /// Pictures of a result
+    Plot(picture::Options),
     /// A result in the format of another program
     Export(export::Options),
     /// A result as one page of HTML: lobe, map, scans, spectra and colours, and how they came about
@@ -106,6 +113,8 @@ pub fn run() -> ExitCode {
         Some(Command::Film(options)) => film::run(options),
         Some(Command::Explain(options)) => explain::run(options),
         Some(Command::Scan(options)) => scan::run(options),
+        Some(Command::Compare(options)) => compare::run(options),
+        Some(Command::Plot(options)) => picture::run(options),
         Some(Command::Export(options)) => export::run(options),
         Some(Command::Report(options)) => report::run(options),
         Some(Command::Materials(options)) => materials::run(options),
@@ -136,6 +145,15 @@ fn stored(path: &Path) -> Result<Measured, Failure> {
 /// Writes a file, whole or not at all.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     atomic::write(path, bytes).map_err(|e| Failure::Cannot(format!("{}: cannot be written: {e}", path.display())))
+}
+
+/// Writes a picture, as PNG if that is what its file is called after.
+fn draw(path: &Path, svg: &str) -> Result<(), Failure> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        let pixels = plot::png(svg).map_err(|e| Failure::Cannot(format!("{}: {e}", path.display())))?;
+        return write(path, &pixels);
+    }
+    write(path, svg.as_bytes())
 }
 
 /// What was asked for. A reader that has gone away is no error.

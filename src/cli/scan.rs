@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gonio_embree::bsdf::{Arm, Scan};
+use gonio_embree::bsdf::{Arm, Overlay, Point, Scan};
 use gonio_embree::experiment::{Settings, measure};
-use gonio_embree::output::scan as output;
+use gonio_embree::output::{overlay, scan as output};
 use gonio_embree::plot;
 
 use super::numbers::Values;
 use super::progress::Line;
 use super::setup::{Scene, Setup};
-use super::{Failure, answer, stored, tell, write};
+use super::{Failure, answer, draw, stored, tell};
 
 /// Options that a result has answered already.
 const FOR_A_SAMPLE: [&str; 19] = [
@@ -54,14 +54,9 @@ pub struct Options {
     #[command(flatten)]
     setup: Setup,
     /// Signed exit angles in degrees, positive on the side of the mirror direction, negative on that of the source
-    #[arg(
-        long,
-        default_value = "-90:90:1",
-        allow_hyphen_values = true,
-        value_name = "ANGLES",
-        help_heading = "Detector"
-    )]
-    exit: Values,
+    /// [default: -90:90:1, or those of --overlay]
+    #[arg(long, allow_hyphen_values = true, value_name = "ANGLES", help_heading = "Detector")]
+    exit: Option<Values>,
     /// Full width of the detector's aperture, degrees
     #[arg(long, default_value_t = 2.0, value_name = "DEG", help_heading = "Detector")]
     aperture: f64,
@@ -71,8 +66,11 @@ pub struct Options {
     /// Print CSV instead of the table
     #[arg(long, help_heading = "Output")]
     csv: bool,
-    /// A picture
-    #[arg(short, long, value_name = "FILE.svg", help_heading = "Output")]
+    /// A measured scan to compare with: lines of angle,value or angle,value,se (degrees, 1/sr)
+    #[arg(long, conflicts_with = "exit", value_name = "FILE.csv", help_heading = "Output")]
+    overlay: Option<PathBuf>,
+    /// A picture, SVG or PNG by its name
+    #[arg(short, long, value_name = "FILE.svg|FILE.png", help_heading = "Output")]
     output: Option<PathBuf>,
     /// Show no progress
     #[arg(long, help_heading = "Output")]
@@ -81,18 +79,34 @@ pub struct Options {
 
 /// Scans, and writes what came out.
 pub fn run(options: &Options) -> Result<(), Failure> {
-    let arm = Arm { angles_deg: options.exit.all.clone(), aperture_deg: options.aperture, below: options.below };
+    let measured = options.overlay.as_deref().map(overlay::read).transpose().map_err(Failure::Input)?;
+    let angles_deg = match (&measured, &options.exit) {
+        (Some(points), _) => points.iter().map(|p| p.angle_deg).collect(),
+        (None, Some(exit)) => exit.all.clone(),
+        (None, None) => (-90..=90).map(f64::from).collect(),
+    };
+    let arm = Arm { angles_deg, aperture_deg: options.aperture, below: options.below };
     arm.check().map_err(|e| Failure::Input(format!("--exit, --aperture: {e}")))?;
     let (scans, lost) = match &options.result {
         Some(path) => (options.stored(path, &arm)?, 0.0),
         None => options.measured(arm)?,
     };
+    let overlay = measured.map(|points| overlaid(&scans, points)).transpose()?;
     answer(&if options.csv { output::csv(&scans) } else { output::table(&scans) })?;
     if let Some(path) = &options.output {
-        write(path, plot::scans(&scans, options.below).as_bytes())?;
+        draw(
+            path,
+            &match &overlay {
+                Some(overlay) => plot::overlaid(&scans[0], overlay, options.below),
+                None => plot::scans(&scans, options.below),
+            },
+        )?;
         if !options.quiet {
             tell(&format!("wrote {}", path.display()));
         }
+    }
+    if let Some(overlay) = &overlay {
+        tell(&overlay::verdict(overlay));
     }
     if lost > MOST_LOST {
         return Err(Failure::Quality(format!(
@@ -100,6 +114,18 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         )));
     }
     Ok(())
+}
+
+/// The only scan beside what was measured.
+fn overlaid(scans: &[Scan], points: Vec<Point>) -> Result<Overlay, Failure> {
+    match scans {
+        [scan] if scan.wavelength_nm.len() == 1 => Ok(scan.overlaid(points)),
+        _ => Err(Failure::Input(
+            "--overlay: a measured scan is of one incidence and one wavelength; choose them by --incident, --azimuth and \
+             --wavelength"
+                .into(),
+        )),
+    }
 }
 
 impl Options {

@@ -87,8 +87,8 @@ impl Measurement {
     }
 }
 
-/// Two-sided critical value of Student's t for `batches` batches (Abramowitz and Stegun 26.7.5, 26.2.23).
-fn critical(false_alarm: f64, batches: usize) -> f64 {
+/// Two-sided critical value of Student's t for `batches` batches: of one less degrees of freedom (Abramowitz and Stegun 26.7.5, 26.2.23).
+pub fn critical(false_alarm: f64, batches: usize) -> f64 {
     let t = (-2.0 * (0.5 * false_alarm).ln()).sqrt();
     let z = t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
     let nu = (batches as f64 - 1.0).max(1.0);

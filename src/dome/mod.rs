@@ -18,7 +18,7 @@ pub use apertures::Apertures;
 pub use detector::{Apart, Detector};
 pub use frame::theta as theta_direction;
 pub use geodesic::{FINEST_LEVEL, Facet, Locator, count};
-pub use leaves::{Leaf, RESOLVED, Rule};
+pub use leaves::{Leaf, RESOLVED, Rule, critical};
 pub use patch::Patch;
 pub use statistics::{Estimate, Measurement};
 pub use tally::{Entry, Shape, Tally};

@@ -2,11 +2,13 @@
 //! [`Measured`] to bytes or text; [`atomic`] puts them on the disk.
 
 pub mod atomic;
+pub mod compare;
 pub mod export;
 pub mod film;
 pub mod materials;
 mod measured;
 pub mod netcdf;
+pub mod overlay;
 pub mod plan;
 pub mod report;
 pub mod scan;

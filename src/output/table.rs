@@ -4,16 +4,19 @@ use std::fmt::Write as _;
 
 use super::measured::{Measured, StackHits};
 use crate::bsdf::{Ledger, Scattering};
+use crate::colour::{self, Illuminant, Srgb};
 use crate::dome::Estimate;
 use crate::plan::features::SMALL;
 use crate::units::show_length;
 
-/// One table per incidence, then what is to be said about all of them.
-pub fn text(measured: &Measured) -> String {
+/// One table per incidence, then what is to be said about all of them; `chips` draws colours where a terminal can.
+pub fn text(measured: &Measured, chips: bool) -> String {
     let mut out = String::new();
     let shown = columns(&measured.bsdf.incidences);
+    let weights = colour::weights(Illuminant::D65, &measured.bsdf.wavelength_nm);
     for s in &measured.bsdf.incidences {
         incidence(&mut out, s, &measured.bsdf.wavelength_nm, &shown);
+        glance(&mut out, s, weights.as_deref(), chips);
     }
     notes(&mut out, measured);
     out
@@ -60,7 +63,27 @@ fn incidence(out: &mut String, s: &Scattering, wavelengths: &[f64], shown: &[&st
         }
         out.push('\n');
     }
-    out.push('\n');
+}
+
+/// Spectra at a glance: a line of blocks, highest where most is reflected, and the colour.
+fn glance(out: &mut String, s: &Scattering, weights: Option<&[[f64; 3]]>, chips: bool) {
+    let reflected: Vec<f64> = s.ledger.reflected.iter().map(|e| e.value).collect();
+    let (least, most) = reflected.iter().fold((f64::INFINITY, 0.0), |(l, m): (f64, f64), &x| (l.min(x), m.max(x)));
+    if reflected.len() > 1 && most > 0.0 {
+        let _ = write!(out, "R(λ) {}  {least:.4} to {most:.4}", blocks(&reflected, most));
+    }
+    if let Some(weights) = weights {
+        let Srgb([r, g, b]) = colour::srgb(colour::summed(weights, reflected.iter().copied()));
+        let chip = if chips { format!("\x1b[48;2;{r};{g};{b}m    \x1b[0m ") } else { String::new() };
+        let _ = write!(out, "   colour in daylight {chip}#{r:02x}{g:02x}{b:02x}");
+    }
+    out.push_str(if reflected.len() > 1 && most > 0.0 || weights.is_some() { "\n\n" } else { "\n" });
+}
+
+/// Values as blocks of eight heights, `most` the highest.
+fn blocks(values: &[f64], most: f64) -> String {
+    const HEIGHTS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+    values.iter().map(|x| HEIGHTS[((x / most * 8.0) as usize).min(7)]).collect()
 }
 
 /// A share with its standard error, as many digits as the error allows.
@@ -168,6 +191,11 @@ pub fn doubts(measured: &Measured) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn blocks_rise_with_their_values() {
+        assert_eq!(blocks(&[0.0, 0.5, 1.0, 0.99, 0.12], 1.0), "▁▅██▁");
+    }
 
     #[test]
     fn values_show_as_many_digits_as_their_error() {

@@ -1,16 +1,20 @@
 //! Pictures of results, as SVG.
 
+mod colours;
 mod film;
 mod hemisphere;
 mod material;
 mod panel;
+mod png;
 mod scan;
 mod spectra;
 
+pub use colours::colours;
 pub use film::film;
 pub use material::{IndexCurve, material};
 pub use panel::{Curve, Panel};
-pub use scan::scans;
+pub use png::png;
+pub use scan::{overlaid, scans};
 
 use plotters::coord::Shift;
 use plotters::prelude::*;

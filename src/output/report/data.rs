@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::eye;
 use super::pack::{Codes, base64};
 use crate::bsdf::{Arm, Bsdf, Reading, Scattering};
+use crate::colour::{self, Illuminant};
 use crate::dome::{Estimate, RESOLVED};
 use crate::light::Incidence;
 
@@ -96,7 +96,7 @@ impl<'a> Data<'a> {
             values,
             errors,
             columns,
-            eye: eye::weights(&bsdf.wavelength_nm),
+            eye: colour::weights(Illuminant::D65, &bsdf.wavelength_nm),
             ledger: bsdf.incidences.first().map_or_else(Vec::new, |s| s.ledger.entries().map(|(n, _)| n).to_vec()),
             groups: &bsdf.groups,
             aperture_deg: APERTURE_DEG,

@@ -4,7 +4,6 @@
 //! payload (`data`) from which the scripts draw what the sliders choose.
 
 mod data;
-mod eye;
 mod pack;
 mod text;
 
@@ -36,7 +35,7 @@ const SCRIPTS: [&str; 11] = [
 pub fn html(measured: &Measured) -> String {
     let data = Data::new(&measured.bsdf);
     let parts = [
-        ("title", text::escaped(&text::title(&measured.provenance))),
+        ("title", crate::text::escaped(&text::title(&measured.provenance))),
         ("style", STYLE.concat()),
         ("summary", text::summary(measured)),
         ("doubts", text::doubts(measured)),

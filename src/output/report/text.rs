@@ -6,27 +6,8 @@ use std::path::Path;
 use super::data::{APERTURE_DEG, Data, LEAST_ERROR};
 use crate::output::measured::{EffectUsed, Measured, Provenance, StackHits};
 use crate::output::table;
+use crate::text::escaped;
 use crate::units::{show_length, significant};
-
-/// Text as HTML shows it, in an element or an attribute.
-pub fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            // Invisible ones, which could turn what follows around or end the document.
-            c if c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}') => {
-                out.push('\u{fffd}')
-            }
-            c => out.push(c),
-        }
-    }
-    out
-}
 
 /// What was measured: the name of the sample's file.
 pub fn title(p: &Provenance) -> String {
