@@ -13,7 +13,7 @@ use gonio_embree::light::{Light, Polarization};
 use gonio_embree::sample::description::{Fill, Shape};
 
 fn arm(from: i32, to: i32, step: usize, aperture_deg: f64, below: bool) -> Arm {
-    Arm { angles_deg: (from..=to).step_by(step).map(f64::from).collect(), aperture_deg, below }
+    Arm { angles_deg: (from..=to).step_by(step).map(f64::from).collect(), aperture_deg, below, turn_deg: 0.0 }
 }
 
 fn measured(build: &Build, light: &Light, arm: &Arm, trees: u64, dome_level: u8) -> Outcome {
@@ -114,4 +114,21 @@ fn arms_that_reach_nowhere_are_refused() {
     assert!(Arm { angles_deg: vec![91.0], ..fine.clone() }.check().is_err());
     assert!(Arm { aperture_deg: 0.0, ..fine.clone() }.check().is_err());
     assert!(Arm { aperture_deg: f64::NAN, ..fine }.check().is_err());
+}
+
+/// An arm that is turned by 180° reads the same the other way round; by 90° it leaves the plane of incidence, where a lobe
+/// towards +x is seen from the side.
+#[test]
+fn turned_arms_leave_the_plane_of_incidence() {
+    use common::synthetic::result;
+    let bsdf = result(5, &[(30.0, 180.0)], &[550.0], 0.0, |_, o, _| if o.x > 0.5 { 1.0 } else { 0.1 + 0.05 * o.y });
+    let arm = |turn_deg: f64| Arm { turn_deg, ..arm(-80, 80, 20, 2.0, false) };
+    let values = |turn_deg: f64| -> Vec<f64> {
+        bsdf.scan(&arm(turn_deg), 0).readings.iter().map(|r| r.value[0].value).collect()
+    };
+    let (plain, round) = (values(0.0), values(180.0));
+    assert!(plain.iter().zip(round.iter().rev()).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert!(plain[8] > 0.99 && plain[0] < 0.2, "{plain:?}");
+    assert!(values(90.0).iter().all(|v| *v < 0.2) && values(90.0)[8] > values(90.0)[0], "{:?}", values(90.0));
+    assert!(Arm { turn_deg: f64::NAN, ..arm(0.0) }.check().is_err());
 }

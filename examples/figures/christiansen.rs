@@ -89,7 +89,7 @@ const CONE: f64 = 2.0;
 pub fn filter(effort: Effort) -> Result<Figure> {
     let nm = grid();
     let light = light(&nm, &[(0.0, 0.0)], Polarization::Unpolarized, SourceMode::Band)?;
-    let arm = gonio_embree::bsdf::Arm { angles_deg: vec![0.0], aperture_deg: CONE, below: true };
+    let arm = gonio_embree::bsdf::Arm { angles_deg: vec![0.0], aperture_deg: CONE, below: true, turn_deg: 0.0 };
     let trees = effort.pick(20_000, 200_000);
     let outcome = measure_file(FILE, &light, &Settings { trees, arm: Some(arm.clone()), ..Settings::default() })?;
     let scattering = &outcome.bsdf.incidences[0];

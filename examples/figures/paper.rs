@@ -59,7 +59,7 @@ fn scans(file: &str, theta: f64, seeds: u64, trees: u64) -> Result<[Series; 2]> 
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/samples").join(file);
     let text = std::fs::read_to_string(path)?;
     let light = light(&[NM], &DIRECTIONS.map(|(_, phi)| (theta, phi)), Polarization::S, SourceMode::Band)?;
-    let arm = Arm { angles_deg: steps(-90.0, 80.0, 2.0), aperture_deg: APERTURE, below: false };
+    let arm = Arm { angles_deg: steps(-90.0, 80.0, 2.0), aperture_deg: APERTURE, below: false, turn_deg: 0.0 };
     let mut series = [(); 2].map(|()| Series { angles: arm.angles_deg.clone(), rows: Vec::new() });
     for seed in 1..=seeds {
         let (description, _) = Description::from_text(&text.replace("seed = 1\n", &format!("seed = {seed}\n")))?;

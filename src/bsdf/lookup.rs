@@ -203,6 +203,9 @@ fn mean(parts: impl Iterator<Item = (f64, Estimate)>) -> Estimate {
 
 /// A direction turned about +z by an angle in degrees.
 pub fn turned(dir: DVec3, by_deg: f64) -> DVec3 {
+    if by_deg == 0.0 {
+        return dir;
+    }
     let (sin, cos) = by_deg.to_radians().sin_cos();
     DVec3::new(cos * dir.x - sin * dir.y, sin * dir.x + cos * dir.y, dir.z)
 }

@@ -1,6 +1,6 @@
 //! Scans in the plane of incidence: what a detector on the arm of a goniometer reads.
 
-use super::{Bsdf, Scattering};
+use super::{Bsdf, Scattering, turned};
 use crate::dome::{Apertures, Estimate, FINEST_LEVEL, Facet, Locator, Measurement};
 use crate::light::Incidence;
 use crate::plan::Plan;
@@ -15,6 +15,8 @@ pub struct Arm {
     pub aperture_deg: f64,
     /// Whether it goes below the sample.
     pub below: bool,
+    /// How far its plane is turned from the plane of incidence about the normal of the sample, degrees.
+    pub turn_deg: f64,
 }
 
 /// Readings under one incidence.
@@ -53,13 +55,17 @@ impl Arm {
         if !(self.aperture_deg > 0.0 && self.aperture_deg <= 90.0) {
             return Err(format!("aperture {}°: expected more than 0 and at most 90", self.aperture_deg));
         }
+        if !self.turn_deg.is_finite() {
+            return Err(format!("turn of the arm {}°: expected a number", self.turn_deg));
+        }
         Ok(())
     }
 
     /// Its apertures for light of this incidence.
     pub fn apertures(&self, incidence: &Incidence) -> Apertures {
-        let axes = self.angles_deg.iter().map(|&a| incidence.in_plane(a, self.below)).collect();
-        Apertures::new(axes, incidence.s_direction(), self.aperture_deg.to_radians(), self.below)
+        let axis = |&a: &f64| turned(incidence.in_plane(a, self.below), self.turn_deg);
+        let normal = turned(incidence.s_direction(), self.turn_deg);
+        Apertures::new(self.angles_deg.iter().map(axis).collect(), normal, self.aperture_deg.to_radians(), self.below)
     }
 }
 

@@ -61,7 +61,12 @@ pub fn run(options: &Options) -> Result<(), Failure> {
 }
 
 fn picture(what: What, measured: &Measured) -> String {
-    let arm = Arm { angles_deg: (-89..=89).map(f64::from).collect(), aperture_deg: APERTURE_DEG, below: false };
+    let arm = Arm {
+        angles_deg: (-89..=89).map(f64::from).collect(),
+        aperture_deg: APERTURE_DEG,
+        below: false,
+        turn_deg: 0.0,
+    };
     let scans = || (0..measured.bsdf.incidences.len()).map(|i| measured.bsdf.scan(&arm, i));
     match what {
         What::Overview => plot::measurement(measured),

@@ -60,6 +60,9 @@ pub struct Options {
     /// Full width of the detector's aperture, degrees
     #[arg(long, default_value_t = 2.0, value_name = "DEG", help_heading = "Detector")]
     aperture: f64,
+    /// Turn the plane of the detector about the normal of the sample, away from the plane of incidence, degrees
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true, value_name = "DEG", help_heading = "Detector")]
+    turn: f64,
     /// The detector goes below the sample
     #[arg(long, help_heading = "Detector")]
     below: bool,
@@ -85,8 +88,8 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         (None, Some(exit)) => exit.all.clone(),
         (None, None) => (-90..=90).map(f64::from).collect(),
     };
-    let arm = Arm { angles_deg, aperture_deg: options.aperture, below: options.below };
-    arm.check().map_err(|e| Failure::Input(format!("--exit, --aperture: {e}")))?;
+    let arm = Arm { angles_deg, aperture_deg: options.aperture, below: options.below, turn_deg: options.turn };
+    arm.check().map_err(|e| Failure::Input(format!("--exit, --aperture, --turn: {e}")))?;
     let (scans, lost) = match &options.result {
         Some(path) => (options.stored(path, &arm)?, 0.0),
         None => options.measured(arm)?,

@@ -67,7 +67,7 @@ fn header(rows: usize) -> Vec<u8> {
     let fields: Vec<String> = FIELDS.iter().map(|(name, dtype)| format!("('{name}', '{dtype}')")).collect();
     let mut text = format!("{{'descr': [{}], 'fortran_order': False, 'shape': ({rows},), }}", fields.join(", "));
     let before = MAGIC.len() + size_of::<u16>();
-    while (before + text.len() + 1) % ALIGNMENT != 0 {
+    while !(before + text.len() + 1).is_multiple_of(ALIGNMENT) {
         text.push(' ');
     }
     text.push('\n');

@@ -154,7 +154,8 @@ impl<'a> Loose<'a> {
         let scattering = &bsdf.incidences[i];
         let angles_deg = exits(&scattering.incidence);
         let scan = |below: bool| {
-            bsdf.scan(&Arm { angles_deg: angles_deg.clone(), aperture_deg: APERTURE_DEG, below }, i).readings
+            bsdf.scan(&Arm { angles_deg: angles_deg.clone(), aperture_deg: APERTURE_DEG, below, turn_deg: 0.0 }, i)
+                .readings
         };
         let count = columns.iter().max().map_or(0, |most| most + 1);
         let first = |column: usize| columns.iter().position(|&c| c == column).unwrap_or(0);

@@ -96,7 +96,7 @@ fn scans_come_back_and_one_aperture_sees_the_mirror_direction() {
     assert_eq!((page["from_deg"].as_f64(), count), (Some(-89.0), 90));
     let angles_deg: Vec<f64> = (0..count).map(|i| -89.0 + APERTURE_DEG * i as f64).collect();
     for (name, below) in [("above", false), ("below", true)] {
-        let arm = Arm { angles_deg: angles_deg.clone(), aperture_deg: APERTURE_DEG, below };
+        let arm = Arm { angles_deg: angles_deg.clone(), aperture_deg: APERTURE_DEG, below, turn_deg: 0.0 };
         let readings = bsdf.scan(&arm, 0).readings;
         let read = estimates(&page[name], &data);
         assert_eq!(read.len(), 3 * count);
