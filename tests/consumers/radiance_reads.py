@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ failures = 0
 def check(what, error, allowed=CLOSE):
     global failures
     failures += not error < allowed
-    print(f"{'ok' if error < allowed else 'FAILED':<7}{what}: {error:.2e} (allowed {allowed:.1e})")
+    print(f"{'ok' if error < allowed else 'FAILED':<7}{what}: {error:.2e} (allowed {allowed:.1e})", flush=True)
 
 
 def export(result, form, *more):
@@ -35,8 +36,11 @@ def export(result, form, *more):
 
 def run(*command):
     """What a program of Radiance prints."""
+    start = time.time()
     done = subprocess.run([str(c) for c in command], capture_output=True, text=True, env=ENVIRONMENT, timeout=120)
     assert done.returncode == 0, f"{command}: {done.stderr}"
+    if time.time() - start > 10:
+        print(f"       {Path(command[0]).name} took {time.time() - start:.0f} s", flush=True)
     return done.stdout
 
 
@@ -54,7 +58,6 @@ def query(path, directions):
 
 
 def lambert():
-    albedo = 0.25
     for form in ("klems-full", "klems-half", "klems-quarter", "tensor-tree-3", "tensor-tree-4"):
         path = export("lambert.nc", form, "--wavelength", "560")
         truth = (0.2 + 0.1 * 160 / 300) / np.pi
@@ -63,8 +66,6 @@ def lambert():
         report = run("checkBSDF", path)
         kind = {"k": "Klems", "t": "Tensor"}[form[0]]
         assert "Pure_Lambertian" in report or kind in report, report
-    assert albedo
-
 
 def tilted():
     """Facets that tilt towards +x, and transmission towards +y: front, back, and azimuths are told apart."""

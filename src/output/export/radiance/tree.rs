@@ -14,6 +14,8 @@ use crate::output::export::points::incidence_from;
 const LEVELS: [u32; 2] = [6, 5];
 /// Points across a cell of the exit.
 const POINTS: usize = 4;
+/// Relative difference of points that is none.
+const EVEN: f64 = 1e-6;
 
 /// The trees of all ways through the sample that were measured. The value of a cell is the mean over points of equal
 /// projected solid angle, scaled so that each incidence keeps its flux.
@@ -144,19 +146,28 @@ fn exits(lookup: &Lookup<'_>, way: Way, grey: &Grey<'_>, source: DVec3, n: usize
     };
     let points = POINTS * n;
     let weight = 1.0 / (POINTS * POINTS) as f64;
-    let mut spectrum = vec![0.0; wavelengths];
+    let (mut spectrum, mut point) = (vec![0.0; wavelengths], vec![0.0; wavelengths]);
     let mut values = vec![[0.0; 3]; n * n];
+    let mut is_even = vec![true; n * n];
     for (cell, value) in values.iter_mut().enumerate() {
         spectrum.fill(0.0);
+        let mut first = f64::NAN;
         for p in 0..POINTS * POINTS {
             let (i, j) = (cell / n * POINTS + p / POINTS, cell % n * POINTS + p % POINTS);
             let at = DVec2::new(i as f64 + 0.5, j as f64 + 0.5) / points as f64;
-            blend.add_values(in_result(to_disk(at)), weight, &mut spectrum);
+            point.fill(0.0);
+            blend.add_values(in_result(to_disk(at)), weight, &mut point);
+            spectrum.iter_mut().zip(&point).for_each(|(s, x)| *s += x);
+            let sum: f64 = point.iter().sum();
+            if p == 0 {
+                first = sum;
+            }
+            is_even[cell] &= (sum - first).abs() <= EVEN * first.abs();
         }
         *value = grey.xyz(&spectrum);
     }
     let area = PI / (n * n) as f64;
-    keep_flux(&mut values, area, grey.xyz(&scattered(lookup, way, &blend)));
+    keep_flux(&mut values, &is_even, area, grey.xyz(&scattered(lookup, way, &blend)));
     for w in 0..wavelengths {
         let (share, exit) = if way.reflects {
             (blend.share(|l| &l.specular, w).value, Some(blend.mirror()))
@@ -189,12 +200,20 @@ fn scattered(lookup: &Lookup<'_>, way: Way, blend: &crate::bsdf::Blend<'_>) -> V
     (0..lookup.bsdf().wavelength_nm.len()).map(share).collect()
 }
 
-/// Scales the cells to a flux: points miss the edges of facets.
-fn keep_flux(values: &mut [[f64; 3]], area: f64, flux: [f64; 3]) {
+/// Scales cells to a flux, for points miss the edges of facets: those through which edges go, if that is enough.
+fn keep_flux(values: &mut [[f64; 3]], is_even: &[bool], area: f64, flux: [f64; 3]) {
     for i in 0..3 {
-        let sum: f64 = values.iter().map(|v| v[i] * area).sum();
-        if sum > 0.0 {
-            values.iter_mut().for_each(|v| v[i] *= flux[i] / sum);
+        let sum = |even: bool| -> f64 {
+            let some = values.iter().zip(is_even).filter(|(_, e)| **e == even);
+            some.map(|(v, _)| v[i] * area).sum()
+        };
+        let (even, mixed) = (sum(true), sum(false));
+        let scale = (flux[i] - even) / mixed;
+        if (0.5..2.0).contains(&scale) {
+            values.iter_mut().zip(is_even).filter(|(_, e)| !**e).for_each(|(v, _)| v[i] *= scale);
+        } else if even + mixed > 0.0 {
+            let scale = flux[i] / (even + mixed);
+            values.iter_mut().for_each(|v| v[i] *= scale);
         }
     }
 }
