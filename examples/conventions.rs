@@ -166,7 +166,7 @@ fn angles() -> Picture {
     );
     let back = Told { angles: [35.0, 250.0], radii: [0.6, 0.66], at: 48.0, colour: OUT, index: "ₒ" };
     ray(&mut picture, &view, direction(35.0, 250.0), &back);
-    let through = Told { angles: [145.0, 160.0], radii: [0.95, 0.3], at: 130.0, colour: THROUGH, index: "ₒ" };
+    let through = Told { angles: [145.0, 160.0], radii: [0.95, 0.3], at: 103.0, colour: THROUGH, index: "ₒ" };
     ray(&mut picture, &view, direction(145.0, 160.0), &through);
     picture.label(view.at(source * 1.04) + DVec2::new(20.0, -8.0), IN, "light");
     let notes = [
