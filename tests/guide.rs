@@ -164,7 +164,8 @@ fn links_of_the_documents_lead_to_files() {
     }
 }
 
-/// With all trees the program prints what the guide shows: each line of the blocks marked `text`, but those that are cut (`...`).
+/// With all trees the program prints what the guide shows: each line of the blocks marked `text`, but those that are cut (`...`);
+/// and it draws the pictures that are called `guide-` and the name of the file.
 #[test]
 #[ignore = "slow: all trees of the guide"]
 fn the_guide_shows_what_the_program_prints() {
@@ -176,5 +177,14 @@ fn the_guide_shows_what_the_program_prints() {
     for line in lines.iter().filter(|line| line.trim() != "...") {
         let found = printed.lines().any(|l| l.trim_end() == line.trim_end());
         assert!(found, "docs/guide.md shows a line that no command has printed:\n{line}");
+    }
+    let pictures: Vec<&str> = links(&guide).filter(|target| target.starts_with("guide-")).collect();
+    assert!(!pictures.is_empty());
+    for picture in pictures {
+        let drawn = fs::read_to_string(desk.0.join(&picture["guide-".len()..])).unwrap();
+        assert!(
+            drawn == read(&format!("docs/{picture}")),
+            "docs/{picture} is not what the command draws: copy it again"
+        );
     }
 }
