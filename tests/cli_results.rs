@@ -87,7 +87,10 @@ fn files_that_are_no_results_are_refused() {
             let output = gonio(&folder, &line);
             let told = told(&output);
             assert_eq!(output.status.code(), Some(2), "{line}: {told}");
-            assert!(told.starts_with(&format!("error: {file}: ")) && told.contains("no result of gonio-embree"), "{line}: {told}");
+            assert!(
+                told.starts_with(&format!("error: {file}: ")) && told.contains("no result of gonio-embree"),
+                "{line}: {told}"
+            );
         }
     }
     let left: Vec<_> = fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name()).collect();
