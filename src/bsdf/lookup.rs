@@ -14,7 +14,12 @@ pub struct Lookup<'a> {
     locator: Locator,
     rings: Vec<Ring>,
     isotropic: bool,
+    /// Number of the facet that holds each of the finest level, per incidence; none if that level is too fine.
+    holders: Vec<Vec<u32>>,
 }
+
+/// Finest level of which all facets are listed: 80 kB per incidence.
+const LISTED_LEVEL: u8 = 5;
 
 /// Incidences of one polar angle.
 #[derive(Clone, Debug)]
@@ -60,7 +65,10 @@ impl<'a> Lookup<'a> {
         rings.sort_by(|a, b| a.theta_deg.total_cmp(&b.theta_deg));
         rings.iter_mut().for_each(|r| r.members.sort_by(|a, b| a.0.total_cmp(&b.0)));
         let isotropic = rings.iter().all(|r| r.members.len() == 1);
-        Self { bsdf, locator: Locator::new(finest.min(FINEST_LEVEL)), rings, isotropic }
+        let level = finest.min(FINEST_LEVEL);
+        let listed = bsdf.incidences.iter().filter(|_| level <= LISTED_LEVEL);
+        let holders = listed.map(|s| holders(s, level)).collect();
+        Self { bsdf, locator: Locator::new(level), rings, isotropic, holders }
     }
 
     /// The result.
@@ -94,12 +102,20 @@ impl<'a> Lookup<'a> {
         Blend { lookup: self, incidence: *incidence, parts }
     }
 
-    /// Facet of a measured incidence that holds a direction.
-    fn facet(&self, incidence: usize, dir: DVec3) -> Option<&'a FacetValue> {
-        let fine = Facet { level: self.locator.level(), code: self.locator.code(dir) };
+    /// Facet of a measured incidence that holds a facet of the finest level.
+    fn facet(&self, incidence: usize, code: u32) -> Option<&'a FacetValue> {
         let scattering = &self.bsdf.incidences[incidence];
-        scattering.facet_holding(fine).map(|at| &scattering.facets[at])
+        let at = match self.holders.get(incidence) {
+            Some(holders) => holders[code as usize] as usize,
+            None => scattering.facet_holding(Facet { level: self.locator.level(), code })?,
+        };
+        scattering.facets.get(at)
     }
+}
+
+fn holders(s: &Scattering, level: u8) -> Vec<u32> {
+    let holder = |facet: Facet| s.facet_holding(facet).map_or(u32::MAX, |at| at as u32);
+    Facet::all(level).map(holder).collect()
 }
 
 /// Part of the way from `from` to `to` at which `at` lies, 0 to 1.
@@ -144,8 +160,14 @@ impl<'a> Blend<'a> {
 
     /// The facets that stand for this exit direction.
     pub fn facets(&self, exit: DVec3) -> impl Iterator<Item = (&Part, &'a FacetValue)> {
-        let facet = move |p: &Part| self.lookup.facet(p.incidence, turned(exit, p.turn_deg));
-        self.parts.iter().filter_map(move |p| facet(p).map(|f| (p, f)))
+        // Most parts have the same turn.
+        let mut last = (f64::NAN, 0);
+        self.parts.iter().filter_map(move |p| {
+            if p.turn_deg != last.0 {
+                last = (p.turn_deg, self.lookup.locator.code(turned(exit, p.turn_deg)));
+            }
+            self.lookup.facet(p.incidence, last.1).map(|f| (p, f))
+        })
     }
 
     /// BRDF (above the horizon) or BTDF (below) of the exit direction at a wavelength, by its number; 1/sr, without the

@@ -104,20 +104,6 @@ impl Scan {
     }
 }
 
-impl Scan {
-    /// The mean over its wavelengths. These share their rays, so that their errors are taken to add up as they are.
-    #[must_use]
-    pub fn mean(mut self) -> Self {
-        let n = self.wavelength_nm.len() as f64;
-        for r in &mut self.readings {
-            let sum = |f: fn(&Estimate) -> f64| r.value.iter().map(f).sum::<f64>() / n;
-            r.value = vec![Estimate { value: sum(|e| e.value), se: sum(|e| e.se) }];
-        }
-        self.wavelength_nm = vec![self.wavelength_nm.iter().sum::<f64>() / n];
-        self
-    }
-}
-
 fn per(e: Estimate, angle: f64) -> Estimate {
     Estimate { value: e.value / angle, se: e.se / angle }
 }

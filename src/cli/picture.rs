@@ -14,7 +14,7 @@ use super::{Failure, draw, stored, tell};
 enum What {
     /// Spectra of all incidences, and the domes of some
     Overview,
-    /// Scans in the plane of each incidence, mean of the wavelengths
+    /// Scans in the plane of each incidence, at the middle wavelength
     Scan,
     /// Colours of reflected daylight against the exit angle
     Colours,
@@ -61,16 +61,15 @@ pub fn run(options: &Options) -> Result<(), Failure> {
 }
 
 fn picture(what: What, measured: &Measured) -> String {
-    let arm = Arm {
-        angles_deg: (-89..=89).map(f64::from).collect(),
-        aperture_deg: APERTURE_DEG,
-        below: false,
-        turn_deg: 0.0,
-    };
+    // Between whole degrees, so that a mirror direction at one is seen by two apertures, whatever the rounding.
+    let angles_deg = (-90..90).map(|a| f64::from(a) + 0.5).collect();
+    let arm = Arm { angles_deg, aperture_deg: APERTURE_DEG, below: false, turn_deg: 0.0 };
     let scans = || (0..measured.bsdf.incidences.len()).map(|i| measured.bsdf.scan(&arm, i));
+    let nm = &measured.bsdf.wavelength_nm;
+    let middle: Vec<f64> = nm.iter().skip(nm.len() / 2).take(1).copied().collect();
     match what {
         What::Overview => plot::measurement(measured),
-        What::Scan => plot::scans(&scans().map(|s| s.mean()).collect::<Vec<_>>(), false),
+        What::Scan => plot::scans(&scans().map(|s| s.only(&middle)).collect::<Vec<_>>(), false),
         What::Colours => plot::colours(&measured.bsdf, &scans().collect::<Vec<_>>()),
     }
 }

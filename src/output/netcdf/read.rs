@@ -7,7 +7,7 @@ use super::super::measured::Measured;
 use super::{NetcdfError, SCHEMA, broken};
 use crate::bsdf::{Bsdf, DeltaMatrices, FacetValue, Ledger, Matrices, Scattering};
 use crate::dome::{Estimate, FINEST_LEVEL, Facet, count};
-use crate::light::Incidence;
+use crate::light::{Incidence, Wavelengths};
 
 /// Reads a result back.
 ///
@@ -60,8 +60,14 @@ impl Reader {
     fn bsdf(&self) -> Result<Bsdf, NetcdfError> {
         let [incidences, wavelengths] = [self.length("incidence")?, self.length("wavelength")?];
         let wavelength_nm = self.numbers("wavelength", wavelengths)?;
+        Wavelengths::from_nm(wavelength_nm.clone()).map_err(broken)?;
         let per_incidence = |name| self.numbers(name, incidences);
         let (theta, phi) = (per_incidence("theta_i")?, per_incidence("phi_i")?);
+        if incidences == 0 {
+            return Err(broken("it has no incidence"));
+        }
+        let mut directions = theta.iter().zip(&phi).map(|(&theta_deg, &phi_deg)| Incidence { theta_deg, phi_deg });
+        directions.try_for_each(|i| i.check()).map_err(|e| broken(format!("incidence {e}")))?;
         let (trees, segments) = (per_incidence("trees")?, per_incidence("segments")?);
         let straight = self.numbers("undeflected_theta", incidences * wavelengths)?;
         let straight: Vec<Vec<f64>> = straight.chunks(wavelengths.max(1)).map(<[f64]>::to_vec).collect();
