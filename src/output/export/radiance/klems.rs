@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Block, Export, Exported, Grey, Source, Way, document, in_sample, measured, notes, refuse};
+use super::{Block, Export, Exported, Grey, Source, Way, deltas, document, in_sample, measured, notes, refuse};
 use crate::bsdf::Lookup;
 use crate::dome::Patch;
 use crate::output::export::points::{direction, incidence_from};
@@ -117,7 +117,6 @@ fn column(lookup: &Lookup<'_>, way: Way, cells: &[Cell], grey: &Grey<'_>, light:
     let source = direction(light.theta, light.phi + PI);
     let source = if way.from_below { in_sample(source.with_z(-source.z), true) } else { source };
     let blend = lookup.at(&incidence_from(source));
-    let wavelengths = lookup.bsdf().wavelength_nm.len();
     let mut flux = vec![[0.0; 3]; cells.len()];
     let mut put = |cell: usize, xyz: [f64; 3], share: f64| (0..3).for_each(|i| flux[cell][i] += share * xyz[i]);
     let goes_up = way.reflects;
@@ -139,17 +138,8 @@ fn column(lookup: &Lookup<'_>, way: Way, cells: &[Cell], grey: &Grey<'_>, light:
             }
         }
     }
-    for w in 0..wavelengths {
-        let (share, exit) = if way.reflects {
-            (blend.share(|l| &l.specular, w).value, Some(blend.mirror()))
-        } else {
-            (blend.share(|l| &l.undeflected, w).value, blend.straight(w))
-        };
-        if let Some(exit) = exit.filter(|_| share > 0.0) {
-            let mut spectrum = vec![0.0; wavelengths];
-            spectrum[w] = share;
-            put(holding(cells, in_sample(exit, way.from_below)), grey.xyz(&spectrum), 1.0);
-        }
+    for (exit, xyz) in deltas(&blend, way, grey, lookup.bsdf().wavelength_nm.len()) {
+        put(holding(cells, exit), xyz, 1.0);
     }
     flux.iter().zip(cells).map(|(xyz, c)| xyz.map(|x| x / c.patch.projected_solid_angle())).collect()
 }

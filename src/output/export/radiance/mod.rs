@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 use glam::DVec3;
 
 use super::{Channels, Export, Exported, Source, refuse};
-use crate::bsdf::Lookup;
+use crate::bsdf::{Blend, Lookup};
 use crate::text::escaped;
 
 pub use klems::{FULL, HALF, QUARTER, klems};
@@ -143,4 +143,20 @@ fn notes(source: &Source<'_>) -> Vec<String> {
 /// A direction of the result in the frame of the sample: that of light from below was turned about x by half a turn.
 fn in_sample(dir: DVec3, from_below: bool) -> DVec3 {
     if from_below { DVec3::new(dir.x, -dir.y, -dir.z) } else { dir }
+}
+
+/// The delta parts of a way through the sample: where they go in the frame of the sample, and their shares in X, Y, Z.
+fn deltas(blend: &Blend<'_>, way: Way, grey: &Grey<'_>, wavelengths: usize) -> Vec<(DVec3, [f64; 3])> {
+    let part = |w: usize| {
+        let (share, exit) = if way.reflects {
+            (blend.share(|l| &l.specular, w).value, Some(blend.mirror()))
+        } else {
+            (blend.share(|l| &l.undeflected, w).value, blend.straight(w))
+        };
+        let mut spectrum = vec![0.0; wavelengths];
+        spectrum[w] = share;
+        let exit = exit.filter(|_| share > 0.0)?;
+        Some((in_sample(exit, way.from_below), grey.xyz(&spectrum)))
+    };
+    (0..wavelengths).filter_map(part).collect()
 }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{Block, Export, Exported, Grey, Source, Way, document, in_sample, measured, notes, refuse};
+use super::{Block, Export, Exported, Grey, Source, Way, deltas, document, in_sample, measured, notes, refuse};
 use crate::bsdf::Lookup;
 use crate::output::export::points::incidence_from;
 
@@ -168,21 +168,11 @@ fn exits(lookup: &Lookup<'_>, way: Way, grey: &Grey<'_>, source: DVec3, n: usize
     }
     let area = PI / (n * n) as f64;
     keep_flux(&mut values, &is_even, area, grey.xyz(&scattered(lookup, way, &blend)));
-    for w in 0..wavelengths {
-        let (share, exit) = if way.reflects {
-            (blend.share(|l| &l.specular, w).value, Some(blend.mirror()))
-        } else {
-            (blend.share(|l| &l.undeflected, w).value, blend.straight(w))
-        };
-        if let Some(exit) = exit.filter(|_| share > 0.0) {
-            let mut spectrum = vec![0.0; wavelengths];
-            spectrum[w] = share;
-            let xyz = grey.xyz(&spectrum);
-            let at = to_square(in_sample(exit, way.from_below).truncate());
-            let index = |x: f64| ((x * n as f64) as usize).min(n - 1);
-            let cell = &mut values[index(at.x) * n + index(at.y)];
-            *cell = std::array::from_fn(|i| cell[i] + xyz[i] / area);
-        }
+    for (exit, xyz) in deltas(&blend, way, grey, wavelengths) {
+        let at = to_square(exit.truncate());
+        let index = |x: f64| ((x * n as f64) as usize).min(n - 1);
+        let cell = &mut values[index(at.x) * n + index(at.y)];
+        *cell = std::array::from_fn(|i| cell[i] + xyz[i] / area);
     }
     values
 }
