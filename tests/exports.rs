@@ -263,8 +263,12 @@ fn what_a_format_cannot_hold_is_told() {
     assert!(error.contains("--polarization mueller"), "{error}");
     let turned = result(1, &[(10.0, 0.0), (10.0, 90.0)], &NM, 0.0, |_, _, _| 0.1);
     let lookup = Lookup::new(&turned);
-    let error = export(Format::TensorTree3, &source(&lookup)).unwrap_err().to_string();
-    assert!(error.contains("tensor-tree-4"), "{error}");
+    for (format, other) in
+        [(Format::TensorTree3, "tensor-tree-4"), (Format::Merl, "rgl-rgb"), (Format::Pbsdf, "the result")]
+    {
+        let error = export(format, &source(&lookup)).unwrap_err().to_string();
+        assert!(error.contains("several azimuths") && error.contains(other), "{error}");
+    }
 }
 
 /// Results and formulas, for the programs that read them.

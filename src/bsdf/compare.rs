@@ -4,13 +4,11 @@
 //! finer ones add up. Wavelengths share their rays, so that each has a sum of squares of its own.
 
 use super::{Bsdf, FacetValue, Scattering};
-use crate::dome::{Estimate, Facet, critical};
+use crate::dome::{BATCHES, Estimate, Facet, critical};
 use crate::light::Incidence;
 
 /// Chance that two results of one sample are said to differ, over everything that is compared.
 pub const FALSE_ALARM: f64 = 1e-3;
-/// Batches that each standard error comes from.
-const BATCHES: usize = 32;
 /// Degrees of freedom of the difference of two such results.
 const FREEDOM: f64 = 2.0 * (BATCHES as f64 - 1.0);
 /// Facets hit by fewer trees in either are too rough for a test.
@@ -46,7 +44,7 @@ pub struct Compared {
     pub chi2: f64,
     /// How far that is from the number of facets, in standard deviations.
     pub chi2_deviation: f64,
-    /// Root of the mean square of the differences over that of the values, flux-weighted.
+    /// Root of the mean square of the differences over that of the values, weighted by projected solid angle.
     pub rms: f64,
     /// What of it the standard errors explain.
     pub noise: f64,

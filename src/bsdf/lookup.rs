@@ -144,11 +144,6 @@ impl Ring {
 }
 
 impl<'a> Blend<'a> {
-    /// The incidence that was asked for.
-    pub fn incidence(&self) -> Incidence {
-        self.incidence
-    }
-
     /// What it is made of.
     pub fn parts(&self) -> &[Part] {
         &self.parts

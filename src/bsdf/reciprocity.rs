@@ -26,9 +26,9 @@ impl Bsdf {
         let mut sums = Sums::default();
         for (i, a) in sources.iter().enumerate() {
             for b in &sources[..i] {
+                let (from_a, from_b) = (lookup.at(a), lookup.at(b));
                 for w in 0..self.wavelength_nm.len() {
-                    let there = lookup.at(a).value(-b.propagation(), w);
-                    sums.add(there, lookup.at(b).value(-a.propagation(), w));
+                    sums.add(from_a.value(-b.propagation(), w), from_b.value(-a.propagation(), w));
                 }
             }
         }

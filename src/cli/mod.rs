@@ -33,7 +33,7 @@ use gonio_embree::plot;
     arg_required_else_help = true,
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
-    after_help = "Exit codes: 0 done; 1 ran, but energy was lost beyond --max-lost; 2 bad input or usage; 3 cannot run."
+    after_help = "Exit codes: 0 done; 1 ran, but energy was lost or results differ; 2 bad input or usage; 3 cannot run."
 )]
 struct Cli {
     #[command(subcommand)]

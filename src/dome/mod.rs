@@ -20,5 +20,5 @@ pub use frame::theta as theta_direction;
 pub use geodesic::{FINEST_LEVEL, Facet, Locator, count};
 pub use leaves::{Leaf, RESOLVED, Rule, critical};
 pub use patch::Patch;
-pub use statistics::{Estimate, Measurement};
+pub use statistics::{BATCHES, Estimate, Measurement};
 pub use tally::{Entry, Shape, Tally};

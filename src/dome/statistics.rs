@@ -7,6 +7,9 @@ use super::geodesic::{Facet, count};
 use super::tally::{Shape, Tally};
 use crate::optics::field::{Field, Mueller};
 
+/// Independent scrambles per incidence, from which the standard errors come.
+pub const BATCHES: u32 = 32;
+
 /// A value with its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {

@@ -19,11 +19,9 @@ use crate::sample::Sample;
 use crate::trace::{Kernel, Stacks, with_kernel};
 use gather::Gather;
 
+pub use crate::dome::BATCHES;
 pub use explain::explain;
 pub use provenance::Origin;
-
-/// Independent scrambles per incidence.
-pub const BATCHES: u32 = 32;
 
 /// What the user decides besides sample and light.
 #[derive(Clone, Debug)]

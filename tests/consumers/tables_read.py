@@ -29,13 +29,39 @@ up = facets[facets.theta_o < 90]
 flux = (up.bsdf * up.projected_solid_angle).groupby([up.theta_i, up.wavelength]).sum().unstack()
 assert np.allclose(flux.to_numpy() + result.specular.to_numpy(), result.reflected.to_numpy(), atol=1e-9)
 
-# MERL: the value of a bin against the table, and its invalid bins.
-merl = export("merl", "coloured.binary")
-assert tuple(np.fromfile(merl, "<i4", 3)) == (90, 90, 180)
-red, green, blue = np.fromfile(merl, "<f8", offset=12).reshape(3, 90, 90, 180)
-assert (red >= 0).any() and (red == -1).any() and ((red < 0) == (blue < 0)).all()
-middle = facets[(facets.theta_i == 34) & (facets.theta_o < 90)]
-# theta_h 20 degrees, theta_d 20 degrees, phi_d 90: both directions are 27.9 degrees from the normal.
-value = red[int(np.sqrt(20 / 90) * 90), 20, 90] / 1500
-assert 0.01 < value < 1, value
-print(f"ok     tables: {len(table)} rows, MERL {(red >= 0).mean():.2f} valid")
+
+
+def merl(result):
+    """Red, green and blue, by theta_h, theta_d and phi_d."""
+    command = [PROGRAM, "export", FOLDER / f"{result}.nc", "--to", "merl", "-o", FOLDER / f"{result}.binary", "--quiet"]
+    subprocess.run([str(c) for c in command], check=True)
+    assert tuple(np.fromfile(FOLDER / f"{result}.binary", "<i4", 3)) == (90, 90, 180)
+    values = np.fromfile(FOLDER / f"{result}.binary", "<f8", offset=12).reshape(3, 90, 90, 180)
+    return np.where(values < 0, np.nan, values * np.array([1, 1.15, 1.66])[:, None, None, None] / 1500)
+
+
+def luminance(reflectance):
+    """Y under D65 of a spectrum that stays constant beyond 400 and 700 nm."""
+    nm, _, ybar, _, daylight = np.loadtxt(HOME / "src/colour/cie_5nm.csv", delimiter=",").T
+    return (reflectance(nm.clip(400, 700)) * ybar * daylight).sum() / (ybar * daylight).sum()
+
+
+TO_Y = np.array([0.2126729, 0.7151522, 0.0721750])
+HOME = Path(__file__).resolve().parents[2]
+
+# A Lambertian has its Y everywhere, and nothing where a direction is below the horizon.
+lambert = np.tensordot(TO_Y, merl("lambert"), 1)
+expected = luminance(lambda nm: 0.2 + 0.1 * (nm - 400) / 300) / np.pi
+valid = np.isfinite(lambert)
+assert np.allclose(lambert[valid], expected, rtol=1e-4), (np.nanmin(lambert), np.nanmax(lambert), expected)
+
+# GGX of roughness 0.5, where both directions are 28.2 degrees from the normal: facets of 9 degrees blur it.
+half, diff = np.radians(np.array([42.5**2 / 90, 20.5])), np.radians(90.5)
+cos = np.cos(half[0]) * np.cos(half[1]) - np.sin(half[0]) * np.sin(half[1]) * np.cos(diff)
+tan2 = np.tan(half[0]) ** 2
+g1 = 2 / (1 + np.sqrt(1 + 0.25 * (1 / cos**2 - 1)))
+ggx = 1 / (np.pi * 0.25 * np.cos(half[0]) ** 4 * (1 + tan2 / 0.25) ** 2) * g1**2 / (4 * cos**2)
+expected = 0.3 * ggx * luminance(lambda nm: 0.3 + 0.7 * (nm - 400) / 300)
+value = TO_Y @ merl("coloured")[:, 42, 20, 90]
+assert abs(value / expected - 1) < 0.1, (value, expected)
+print(f"ok     tables: {len(table)} rows; MERL: {valid.mean():.2f} of the bins valid, {value:.4f} for {expected:.4f}")

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::npy::rows;
+use super::rows::rows;
 use super::{Exported, Source};
 
 /// What the columns are, after a `#`.

@@ -16,6 +16,7 @@ const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 const INVALID: f64 = -1.0;
 
 pub fn write(source: &Source<'_>) -> Export {
+    source.must_be_isotropic("rgl-rgb holds it")?;
     let channels = source.channels()?;
     let wavelengths = source.bsdf().wavelength_nm.len();
     let [theta_h, theta_d, phi_d] = CELLS;
@@ -38,7 +39,6 @@ pub fn write(source: &Source<'_>) -> Export {
     let mut notes = vec!["MERL holds linear sRGB: rgl, astm, csv and npy hold spectra".into()];
     source.of_one_side(&mut notes);
     source.of_specular(&mut notes);
-    source.of_isotropy(&mut notes);
     Ok(Exported { bytes, notes })
 }
 

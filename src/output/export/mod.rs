@@ -9,6 +9,7 @@ mod npy;
 mod points;
 mod radiance;
 mod rgl;
+mod rows;
 mod zemax;
 
 use std::fmt;
@@ -228,10 +229,12 @@ impl Source<'_> {
         });
     }
 
-    fn of_isotropy(&self, notes: &mut Vec<String>) {
-        if !self.front.is_isotropic() {
-            notes.push("the format knows isotropic samples only: only the first azimuth of incidence is in it".into());
+    /// Of a format that knows isotropic samples only.
+    fn must_be_isotropic(&self, others: &str) -> Result<(), ExportError> {
+        if self.front.is_isotropic() && self.back.is_none_or(Lookup::is_isotropic) {
+            return Ok(());
         }
+        refuse(format!("the sample was measured from several azimuths, and this format is isotropic: {others}"))
     }
 }
 

@@ -19,6 +19,7 @@ const WAVELENGTHS: usize = 5;
 const NODES: [usize; 3] = [73, 31, 61];
 
 pub fn write(source: &Source<'_>) -> Export {
+    source.must_be_isotropic("the result itself holds all matrices")?;
     let bsdf = source.bsdf();
     if bsdf.incidences.iter().any(|s| s.facets.iter().any(|f| f.mueller.is_empty())) {
         return refuse("pbsdf holds Mueller matrices, which were not measured: measure with --polarization mueller");
@@ -52,7 +53,6 @@ pub fn write(source: &Source<'_>) -> Export {
         notes.push("the specular part has no place in this format and is left out".into());
     }
     source.of_one_side(&mut notes);
-    source.of_isotropy(&mut notes);
     Ok(Exported { bytes: tensor::to_bytes(&fields), notes })
 }
 

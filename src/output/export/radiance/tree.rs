@@ -20,10 +20,8 @@ const EVEN: f64 = 1e-6;
 /// The trees of all ways through the sample that were measured. The value of a cell is the mean over points of equal
 /// projected solid angle, scaled so that each incidence keeps its flux.
 pub fn tree(source: &Source<'_>, rank: usize) -> Export {
-    if rank == 3 && !(source.front.is_isotropic() && source.back.is_none_or(Lookup::is_isotropic)) {
-        return refuse(
-            "the sample was measured from several azimuths, and this format is isotropic: tensor-tree-4 holds it",
-        );
+    if rank == 3 {
+        source.must_be_isotropic("tensor-tree-4 holds it")?;
     }
     let channels = source.channels()?;
     let grey = Grey::new(source, &channels);
@@ -40,7 +38,14 @@ pub fn tree(source: &Source<'_>, rank: usize) -> Export {
         }
     }
     let structure = if rank == 3 { "TensorTree3" } else { "TensorTree4" };
-    Ok(Exported { bytes: document(source, structure, "LBNL/Shirley-Chiu", "", &blocks), notes: notes(source) })
+    let mut notes = notes(source);
+    if rank == 3 && source.wavelength.is_none() {
+        notes.push(
+            "Radiance mixes up colours of isotropic trees with a Lambertian part: tensor-tree-4 comes back right"
+                .into(),
+        );
+    }
+    Ok(Exported { bytes: document(source, structure, "LBNL/Shirley-Chiu", "", &blocks), notes })
 }
 
 /// Values of all cells: those of the incidence, then of the exit, the last index fastest.

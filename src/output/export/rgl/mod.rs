@@ -2,8 +2,8 @@
 //! exit on a square that is warped, for each incidence, so that most of it lies where the light goes.
 //!
 //! The reader's value is spectra(s) · D(m) / (4 σ(ω_i)) with s the inverse warp of the half vector m. Any positive warp and D
-//! are right. Here the warp is the density of normals that the light sees, D the mean of f · 4 cos θ_i cos θ_o, which leaves little to the
-//! spectra that is not smooth, and σ its projection. Half vectors are told by u = √(2θ/π) and v = (φ + π) / 2π.
+//! are right. Here the warp is the density of normals that the light sees, D the mean of f · 4 cos θ_i cos θ_o, which leaves
+//! little to the spectra that is not smooth, and σ its projection. Half vectors are told by u = √(2θ/π), v = (φ + π) / 2π.
 
 mod nodes;
 pub mod tensor;
@@ -151,7 +151,7 @@ impl Warped {
         let sigma = ndf.projected(is_isotropic);
         let slice = |&light: &DVec3| {
             let factor = 4.0 * sigma.at(coordinates(light));
-            Slice::new(light, bands, &ndf, factor, (density, grid.points), &exits(light))
+            Slice::new(light, bands, &ndf, factor, density, grid.points, &exits(light))
         };
         let slices: Vec<Slice> = lights.par_iter().map(slice).collect();
         let joined = |part: fn(&Slice) -> &Vec<f32>| slices.iter().flat_map(|s| part(s).iter().copied()).collect();
@@ -193,20 +193,21 @@ struct Slice {
 }
 
 impl Slice {
-    fn new(light: DVec3, bands: usize, ndf: &Nodes, factor: f64, size: ([usize; 2], usize), exits: &Exits<'_>) -> Self {
-        let ([height, width], points) = size;
-        // BRDF times cosine times 4 σ over D, added with a weight. The reader knows the horizon: below it goes on the odd function, which
-        // has no kink there.
+    fn new(
+        light: DVec3,
+        bands: usize,
+        ndf: &Nodes,
+        factor: f64,
+        [height, width]: [usize; 2],
+        points: usize,
+        exits: &Exits<'_>,
+    ) -> Self {
+        // BRDF times cosine times 4 σ over D, added with a weight.
         let add = |m: DVec3, d: f64, weight: f64, out: &mut [f64]| {
             let exit = 2.0 * m.dot(light) * m - light;
-            if m.dot(light) <= 0.0 {
-                return;
+            if m.dot(light) > 0.0 && exit.z > 0.0 {
+                exits(exit, factor * weight * exit.z / d, out);
             }
-            if exit.z > 0.0 {
-                return exits(exit, factor * weight * exit.z / d, out);
-            }
-            let above = exit.with_z(-exit.z);
-            exits(above, factor * weight * exit.z / ndf.at(coordinates((above + light).normalize())), out);
         };
         let scaled = |density: &dyn Fn([f64; 2]) -> f64| {
             let at = |i: usize| density([node(i % width, width), node(i / width, height)]);
