@@ -5,8 +5,8 @@
 #![allow(missing_docs, clippy::print_stdout, reason = "p-values are shown with --nocapture")]
 
 mod common;
-#[path = "common/matrices.rs"]
-mod matrices;
+
+use common::matrices;
 
 use std::f64::consts::TAU;
 

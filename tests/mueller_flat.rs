@@ -7,8 +7,8 @@
 #[path = "common/collapse.rs"]
 mod collapse;
 mod common;
-#[path = "common/matrices.rs"]
-mod matrices;
+
+use common::matrices;
 
 use common::build::{Build, light};
 use common::listen::settings;

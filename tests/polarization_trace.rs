@@ -2,8 +2,8 @@
 #![allow(missing_docs)]
 
 mod common;
-#[path = "common/matrices.rs"]
-mod matrices;
+
+use common::matrices;
 #[path = "common/oracle.rs"]
 mod oracle;
 

@@ -16,7 +16,7 @@ mod tally;
 
 pub use apertures::Apertures;
 pub use detector::{Apart, Detector};
-pub use frame::theta as theta_direction;
+pub use frame::{theta as theta_direction, turn};
 pub use geodesic::{FINEST_LEVEL, Facet, Locator, count};
 pub use leaves::{Leaf, RESOLVED, Rule, critical};
 pub use patch::Patch;

@@ -9,6 +9,7 @@ use rand::rngs::Xoshiro256PlusPlus;
 pub mod build;
 pub mod cones;
 pub mod listen;
+pub mod matrices;
 pub mod reference;
 pub mod stats;
 pub mod synthetic;

@@ -2,10 +2,12 @@
 
 use glam::DVec3;
 use gonio_embree::bsdf::{Bsdf, DeltaMatrices, FacetValue, Ledger, Scattering};
-use gonio_embree::dome::{Estimate, Facet, theta_direction};
+use gonio_embree::dome::{Estimate, Facet, theta_direction, turn};
 use gonio_embree::light::Incidence;
 use gonio_embree::optics::C64;
 use gonio_embree::output::{Measured, Provenance, UsedBackend, Validity};
+
+use super::matrices::{self, diagonal, product};
 
 /// Standard error of everything, relative.
 pub const NOISE: f64 = 0.01;
@@ -112,29 +114,11 @@ fn reflection(incidence: &Incidence, exit: DVec3) -> [f64; 16] {
     let cos = exit.dot(m);
     let q = (METAL * METAL - (1.0 - cos * cos)).sqrt();
     let (rs, rp) = ((cos - q) / (cos + q), (METAL * METAL * cos - q) / (METAL * METAL * cos + q));
-    let (p2, s2, ps) = (rp.norm_sqr(), rs.norm_sqr(), rp * rs.conj());
-    let (sum, difference) = (0.5 * (p2 + s2), 0.5 * (p2 - s2));
-    #[rustfmt::skip]
-    let mirror = [
-        sum, difference, 0.0, 0.0,
-        difference, sum, 0.0, 0.0,
-        0.0, 0.0, ps.re, -ps.im,
-        0.0, 0.0, ps.im, ps.re,
-    ];
     let s = k.cross(m).try_normalize().unwrap_or_else(|| incidence.s_direction());
-    let turn = |along: DVec3, from: DVec3, to: DVec3| f64::atan2(along.cross(from).dot(to), from.dot(to));
-    let (into, out) = (turn(k, incidence.p_direction(), s.cross(k)), turn(exit, s.cross(exit), theta_direction(exit)));
-    multiplied(&rotation(out), &multiplied(&mirror, &rotation(into)))
-}
-
-/// Stokes vectors in a frame turned by an angle.
-fn rotation(angle: f64) -> [f64; 16] {
-    let (s, c) = (2.0 * angle).sin_cos();
-    [1.0, 0.0, 0.0, 0.0, 0.0, c, s, 0.0, 0.0, -s, c, 0.0, 0.0, 0.0, 0.0, 1.0]
-}
-
-fn multiplied(a: &[f64; 16], b: &[f64; 16]) -> [f64; 16] {
-    std::array::from_fn(|i| (0..4).map(|k| a[4 * (i / 4) + k] * b[4 * k + i % 4]).sum())
+    let into = turn(k, incidence.p_direction(), s.cross(k));
+    let out = turn(exit, s.cross(exit), theta_direction(exit));
+    let framed = |[cos, sin]: [f64; 2]| matrices::turn(cos, sin);
+    product(&framed(out), &product(&diagonal(rp, rs), &framed(into)))
 }
 
 /// A result as if it had been measured.

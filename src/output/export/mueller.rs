@@ -6,12 +6,13 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::points::{direction, incidence_from};
+use super::points::{direction, incidence_from, node};
 use super::rgl::tensor::{self, Field, Values};
 use super::{Export, Exported, Source, refuse};
 use crate::bsdf::{Blend, turned};
-use crate::dome::theta_direction;
+use crate::dome::{theta_direction, turn};
 use crate::light::Incidence;
+use crate::optics::field::{Field as _, Mueller};
 
 /// The reader copies so many wavelengths.
 const WAVELENGTHS: usize = 5;
@@ -63,10 +64,6 @@ fn chosen(nm: &[f64]) -> Option<[usize; WAVELENGTHS]> {
     at.iter().all(|&w| nm[w].fract() == 0.0 && nm[w] <= f64::from(u16::MAX)).then_some(at)
 }
 
-fn node(i: usize, n: usize) -> f64 {
-    i as f64 / (n - 1) as f64
-}
-
 /// The matrices of a node, wavelength by wavelength; 0 where a direction is below the horizon.
 fn matrices(source: &Source<'_>, cell: usize, wavelengths: &[usize; WAVELENGTHS]) -> Vec<f32> {
     let [n_phi, n_theta, n_half] = NODES;
@@ -89,14 +86,14 @@ fn matrices(source: &Source<'_>, cell: usize, wavelengths: &[usize; WAVELENGTHS]
 }
 
 /// The matrix in the frames of the result: x̂ is p of the incidence, and θ̂ of the exit.
-fn mean(blend: &Blend<'_>, exit: DVec3, wavelength: usize) -> [f64; 16] {
+fn mean(blend: &Blend<'_>, exit: DVec3, wavelength: usize) -> Mueller {
     let mut sum = [0.0; 16];
     for (part, f) in blend.facets(exit) {
-        let turn = f.facet.turn_to_theta(turned(exit, part.turn_deg));
-        let at_exit = rotated_after(&f.mueller[wavelength].map(|e| e.value), turn);
-        sum.iter_mut().zip(at_exit).for_each(|(s, x)| *s += part.weight * x);
+        let [cos, sin] = f.facet.turn_to_theta(turned(exit, part.turn_deg));
+        let matrix = Mueller::from_rows(&f.mueller[wavelength].map(|e| e.value));
+        matrix.rotated(cos, sin).scaled(part.weight).add_to(&mut sum);
     }
-    sum
+    Mueller::from_rows(&sum)
 }
 
 /// Frames of the format, in the plane of reflection.
@@ -117,38 +114,24 @@ impl Frames {
     }
 
     /// The matrix told in them.
-    fn turn(&self, matrix: &[f64; 16], incidence: &Incidence, exit: DVec3) -> [f32; 16] {
+    fn turn(&self, matrix: &Mueller, incidence: &Incidence, exit: DVec3) -> [f32; 16] {
         if self.light == DVec3::ZERO {
             // Straight back there is no plane of reflection: the frames of the result are as good as any.
-            return matrix.map(|x| x as f32);
+            return matrix.rows().map(|x| x as f32);
         }
-        // Cosine and sine of the angle about the light from the frame of the result.
-        let turn = |along: DVec3, from: DVec3, to: DVec3| [from.dot(to), along.cross(from).dot(to)];
-        let [cos, sin] = turn(incidence.propagation(), incidence.p_direction(), self.light);
-        let out = turn(exit, theta_direction(exit), self.exit);
-        rotated_before(&rotated_after(matrix, out), [cos, -sin]).map(|x| x as f32)
+        let [cos, sin] = turn(exit, theta_direction(exit), self.exit);
+        let of_light = turn(incidence.propagation(), incidence.p_direction(), self.light);
+        with_light_turned(&matrix.rotated(cos, sin), of_light).rows().map(|x| x as f32)
     }
 }
 
-/// R(α) M: the exit's frame turned by the angle α of this cosine and sine. Q and U turn by 2α.
-fn rotated_after(m: &[f64; 16], [cos, sin]: [f64; 2]) -> [f64; 16] {
-    let (c, s) = (cos * cos - sin * sin, 2.0 * sin * cos);
-    std::array::from_fn(|i| match i / 4 {
-        1 => c * m[4 + i % 4] + s * m[8 + i % 4],
-        2 => c * m[8 + i % 4] - s * m[4 + i % 4],
-        _ => m[i],
-    })
+/// The matrix for light whose frame is turned by an angle, from its cosine and sine: the transpose of what turning the frame of
+/// the exit does.
+fn with_light_turned(m: &Mueller, [cos, sin]: [f64; 2]) -> Mueller {
+    transposed(&transposed(m).rotated(cos, sin))
 }
 
-/// M R(α).
-fn rotated_before(m: &[f64; 16], [cos, sin]: [f64; 2]) -> [f64; 16] {
-    let (c, s) = (cos * cos - sin * sin, 2.0 * sin * cos);
-    std::array::from_fn(|i| {
-        let row = 4 * (i / 4);
-        match i % 4 {
-            1 => c * m[row + 1] - s * m[row + 2],
-            2 => s * m[row + 1] + c * m[row + 2],
-            _ => m[i],
-        }
-    })
+fn transposed(m: &Mueller) -> Mueller {
+    let rows = m.rows();
+    Mueller::from_rows(&std::array::from_fn(|i| rows[4 * (i % 4) + i / 4]))
 }

@@ -80,6 +80,11 @@ impl Beam<'_> {
     }
 }
 
+/// Where node `i` of `n` lies from 0 to 1.
+pub fn node(i: usize, n: usize) -> f64 {
+    i as f64 / (n - 1) as f64
+}
+
 /// A direction from its polar angle and azimuth, radians.
 pub fn direction(theta: f64, phi: f64) -> DVec3 {
     let ((sin, cos), (sin_phi, cos_phi)) = (theta.sin_cos(), phi.sin_cos());

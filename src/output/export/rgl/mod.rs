@@ -12,10 +12,10 @@ mod warp;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::points::{Beam, direction, incidence_from};
+use super::points::{Beam, direction, incidence_from, node};
 use super::{Channels, Export, Exported, Source, refuse};
 use crate::colour;
-use nodes::{Nodes, coordinates, direction_at, half, node};
+use nodes::{Nodes, coordinates, direction_at, half};
 use tensor::Field;
 use warp::Warp;
 

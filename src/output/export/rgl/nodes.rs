@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::super::points::direction;
+use super::super::points::{direction, node};
 use super::Exits;
 
 /// Nodes of D along φ and θ.
@@ -130,9 +130,4 @@ fn floored(sums: &[(f64, f64)]) -> Vec<f32> {
     let most = sums.iter().map(mean).fold(0.0, f64::max);
     let least = if most > 0.0 { LEAST * most } else { 1.0 };
     sums.iter().map(|s| mean(s).max(least) as f32).collect()
-}
-
-/// Part of the way at which a node lies.
-pub fn node(i: usize, n: usize) -> f64 {
-    i as f64 / (n - 1) as f64
 }
