@@ -7,7 +7,7 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::build::{Build, light};
-use common::listen::{Heard, listen_to};
+use common::listen::{Heard, coherent_sum, listen_to};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Light, Polarization, SourceMode};
 use gonio_embree::optics::C64;
@@ -55,32 +55,14 @@ fn enumerate(sample: &Sample, light: &Light) -> Heard<Jones> {
     listen_to(&plan, sample, light, Backend::auto(), &vec![entry])
 }
 
-/// Sum of the fields that leave upwards, or downwards, into a medium of index `outside`, along the polarization of the
-/// light, each referred to the wavefront through the point of entry; per wavelength.
-fn sum(heard: &Heard<Jones>, sample: &Sample, light: &Light, up: bool, outside: f64) -> [C64; NM.len()] {
-    let s = light.incidences[0].s_direction();
-    let mut out = [C64::ZERO; NM.len()];
-    for exit in heard.exits.iter().filter(|e| (e.dir.z > 0.0) == up) {
-        let along = if light.polarization == Polarization::S { s } else { s.cross(exit.dir) };
-        let (x, y) = (exit.frame.dot(along), exit.dir.cross(exit.frame).dot(along));
-        let optical: f64 = exit.lengths.iter().zip(&sample.media).map(|(l, m)| l * m.index[0].re).sum();
-        let path = optical - outside * exit.dir.dot(exit.position - exit.anchor);
-        for &(lane, field) in &exit.fields {
-            let lane = usize::from(lane);
-            out[lane] += (field.x[0] * x + field.y[0] * y) * C64::cis(TAU * path / (NM[lane] / 1e3));
-        }
-    }
-    out
-}
-
 fn check(stack: &Stack<'_>) {
     for theta in [0.0, 25.0, 50.0] {
         for polarization in [Polarization::S, Polarization::P] {
             let light = Light { source: SourceMode::Line, ..light(&NM, &[(theta, 30.0)], polarization) };
             let sample = Build::within(stack.above).below(stack.below).films(0.7, stack.layers).sample(&light);
             let heard = enumerate(&sample, &light);
-            let up = sum(&heard, &sample, &light, true, stack.above);
-            let down = sum(&heard, &sample, &light, false, stack.below);
+            let up = coherent_sum(&heard, &sample, &light, true, stack.above);
+            let down = coherent_sum(&heard, &sample, &light, false, stack.below);
             for (w, &nm) in NM.iter().enumerate() {
                 let [r, t] = stack.solved(&light, nm);
                 let at = format!("{} layers, {theta}°, {polarization}, {nm} nm", stack.layers.len());

@@ -4,8 +4,9 @@ use glam::DVec3;
 use gonio_embree::experiment::Settings;
 use gonio_embree::intersect::Scene;
 use gonio_embree::intersect::choose::Backend;
-use gonio_embree::light::Light;
-use gonio_embree::optics::field::{Field, Stokes};
+use gonio_embree::light::{Light, Polarization};
+use gonio_embree::optics::C64;
+use gonio_embree::optics::field::{Field, Jones, Stokes};
 use gonio_embree::plan::{Limits, Options, Plan, Wanted};
 use gonio_embree::sample::Sample;
 use gonio_embree::trace::{
@@ -117,6 +118,25 @@ pub fn listen_with<F: Field, E: Effects>(
     }
     heard.exits.sort_by_key(|e| e.tree);
     heard
+}
+
+/// Sum of the fields that leave upwards, or downwards, into a medium of index `outside`, along the polarization of the
+/// light (s or p), each referred to the wavefront through its point of entry; per wavelength. Phases must be followed.
+pub fn coherent_sum(heard: &Heard<Jones>, sample: &Sample, light: &Light, up: bool, outside: f64) -> Vec<C64> {
+    let s = light.incidences[0].s_direction();
+    let um: Vec<f64> = light.wavelengths.um().collect();
+    let mut out = vec![C64::ZERO; um.len()];
+    for exit in heard.exits.iter().filter(|e| (e.dir.z > 0.0) == up) {
+        let along = if light.polarization == Polarization::S { s } else { s.cross(exit.dir) };
+        let (x, y) = (exit.frame.dot(along), exit.dir.cross(exit.frame).dot(along));
+        let optical: f64 = exit.lengths.iter().zip(&sample.media).map(|(l, m)| l * m.index[0].re).sum();
+        let path = optical - outside * exit.dir.dot(exit.position - exit.anchor);
+        for &(lane, field) in &exit.fields {
+            let lane = usize::from(lane);
+            out[lane] += (field.x[0] * x + field.y[0] * y) * C64::cis(std::f64::consts::TAU * path / um[lane]);
+        }
+    }
+    out
 }
 
 /// Adds up power by direction; the last entry is for what does not leave by a direction.
