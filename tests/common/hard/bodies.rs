@@ -180,7 +180,8 @@ fn edges(rays: u32) -> Case {
 
 /// Trees that begin at corners and edges of a body, within rounding. There a ray may leave by one face a rounding before it
 /// enters by another, or start behind the neighbour of the face it was reflected at: its media contradict one another, and
-/// it ends. All of that is told as lost, so nothing leaks. By chance one ray in some 10¹² comes so near to an edge.
+/// it ends. All of that is told as lost, so nothing leaks. By chance few rays come so near to an edge:
+/// among triangles of 1 µm in a scene of 2 mm, where coordinates are known to 5e-13 µm, some one in 10¹¹.
 fn aimed(trees: u32) -> [Case; 2] {
     let ball = Mesh::ball(2).map(|p| DVec3::new(3.0, 2.0, 1.5) * p);
     let light = light(&[550.0], &[(30.0, 17.0)], Polarization::Unpolarized);

@@ -12,6 +12,7 @@ mod interfaces;
 mod scenes;
 mod shifts;
 mod twin;
+mod unseen;
 
 /// A quantity, and what is said of it.
 #[derive(Clone, Debug)]
@@ -77,6 +78,7 @@ pub fn all(tier: Tier) -> Vec<(&'static str, Vec<Case>)> {
         ("Bodies", bodies::all(tier)),
         ("Films in a scene of 2 mm", scenes::all()),
         ("Scenes that must scatter alike", shifts::all()),
+        ("Scenes that cannot be seen", unseen::all()),
     ]
 }
 
