@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use gonio_embree::geometry::{
     Aabb, All, Builder, Chord, Cylinder, Hit, Primitives, Query, Ray, Shape, Sphere, SurfaceId,
 };
@@ -71,7 +71,7 @@ fn grazing_exit() -> Case {
     let far = |roots: Option<[f64; 2]>, least: f64| roots.map(|r| r[1]).filter(|t| *t > least).unwrap_or(f64::INFINITY);
     let (o32, d32) = ((o.as_vec3() - center.as_vec3()), d.as_vec3());
     let single = single::careful_sphere(o32, d32, R as f32).map(|r| r.map(f64::from));
-    Case::new("ray that leaves a sphere's surface inwards, d·n = −1e-6", "chord, µm", 2.0 * R * cos, ours, 1e-11)
+    Case::new("ray that leaves a sphere's surface inwards, d·n = −1e-6", "chord, µm", 2.0 * R * cos, ours, 1e-12)
         .single(far(single, 256.0 * f64::from(f32::EPSILON) * FAR))
         .naive("quadratic, t > ε = 0.1 nm", far(double::sphere(o - center, d, R), EPSILON))
 }
@@ -130,7 +130,9 @@ impl Leaks {
     ) -> Self {
         let (mut rng, mut out) = (Xoshiro256PlusPlus::seed_from_u64(11), [0; 3]);
         for _ in 0..rays {
-            let d = direction(&mut rng);
+            // Along an axis edge functions may be 0 exactly.
+            let axis = DVec3::AXES[rng.random_range(0..3)];
+            let d = if rng.random_range(0..4) == 0 { axis } else { direction(&mut rng) };
             let o = target(&mut rng) - 3.0 * FAR * d;
             out.iter_mut().zip(odd(o, d)).for_each(|(sum, odd)| *sum += u32::from(odd));
         }
@@ -163,8 +165,7 @@ fn rim(rays: u32) -> Case {
 
 /// Rays at the corners and edges of a closed mesh of 2 mm.
 fn edges(rays: u32) -> Case {
-    let turn = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.7);
-    let ball = Mesh::ball(2).map(|p| turn * p * DVec3::new(1000.0, 700.0, 400.0));
+    let ball = Mesh::ball(2).map(|p| p * DVec3::new(1000.0, 700.0, 400.0));
     let scene = scene(|b| ball.add_to(b, 0));
     let corners: Vec<[DVec3; 3]> = ball.triangles.iter().map(|t| t.map(|i| ball.vertices[i as usize])).collect();
     let corners32: Vec<_> = corners.iter().map(|c| c.map(|p| p.as_vec3())).collect();

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use gonio_embree::optics::film::{Incidence, solve};
 use gonio_embree::optics::fresnel::{Dielectric, dielectric, other_leg};
 use num_complex::Complex;
 
@@ -14,7 +15,16 @@ const SINES: &str = "Fresnel by sines, angle by acos";
 pub fn all() -> Vec<Case> {
     let angles = [("0°", 0.0), ("1e-9°", 1e-9), ("89.999°", 89.999)];
     let into_glass = angles.into_iter().flat_map(|(name, deg)| [false, true].map(|p| through(name, deg, p)));
-    into_glass.chain([brewster(), reflection_of_nearly_equal(), critical(-1e-12), critical(1e-12)]).collect()
+    into_glass
+        .chain([
+            brewster(),
+            reflection_of_nearly_equal(),
+            critical(-1e-12),
+            critical(1e-12),
+            tangential(-1e-12),
+            tangential(1e-12),
+        ])
+        .collect()
 }
 
 /// Cosine and sine of an angle, the cosine from that to the horizon.
@@ -107,4 +117,30 @@ fn critical(beyond: f64) -> Case {
         .single(single(N, 1.0, cos, other_leg(cos), false).transmitted)
         .naive(SINES, 1.0 - by_sines(1.0 / N, cos, false).powi(2));
     if truth > 0.0 { case.relative() } else { case }
+}
+
+/// From n = 1.5 into 1.37 with a tangential wave number of 1.37 but for 1e-12 of it, which subtraction tells exactly: b² = n² − kₓ²
+/// as a product, a² likewise. Before T = 4ab/(a + b)², beyond arg r = −2 atan(|b|/a).
+fn tangential(beyond: f64) -> Case {
+    let (n1, n2) = (N, 1.37f64);
+    let kx = n2 * (1.0 + beyond);
+    let (a, b2) = (((n1 - kx) * (n1 + kx)).sqrt(), (n2 - kx) * (n2 + kx));
+    let b = b2.abs().sqrt();
+    let ours = solve(&Incidence::from_kx(n1, kx), &[], n2.into(), 1.0).s;
+    let (sin, cos) = (kx / n1, a / n1);
+    let single = single(n1, n2, cos, sin, false);
+    let textbook = (n2 * n2 - kx * kx).abs().sqrt();
+    let form = "√(n² − kₓ²)";
+    if beyond < 0.0 {
+        let t = |b: f64| 4.0 * a * b / (a + b).powi(2);
+        return Case::new("1.5 to 1.37, kₓ before critical by 1e-12", "T of s", t(b), ours.transmittance(), 1e-14)
+            .relative()
+            .single(single.transmitted)
+            .naive(form, t(textbook));
+    }
+    let phase = |b: f64| -2.0 * (b / a).atan();
+    Case::new("1.5 to 1.37, kₓ beyond critical by 1e-12", "phase of r_s, rad", phase(b), ours.r.arg(), 1e-14)
+        .relative()
+        .single(single.r.arg().into())
+        .naive(form, phase(textbook))
 }

@@ -74,8 +74,11 @@ impl Plates {
     /// How far r is from that of the film, of which thicknesses are exact.
     fn reflection(&self, name: &str) -> Case {
         let [ours, single, naive] = self.errors()[0];
-        let r = self.truth()[0].norm();
-        Case::new(name, format!("error of r ({r:.2e})"), 0.0, ours, 1e-10).single(single).naive(STEPS, naive)
+        let r = match self.truth()[0].norm() {
+            0.0 => "0".into(),
+            r => format!("{r:.2e}"),
+        };
+        Case::new(name, format!("error of r ({r})"), 0.0, ours, 1e-10).single(single).naive(STEPS, naive)
     }
 
     /// A film of 1e-3 nm reflects so little (4e-10 of the power) that one tree in 3·10⁹ follows it. The others carry its
