@@ -37,7 +37,7 @@ fn all_hard_cases_are_within_their_bounds_and_in_the_table() {
 }
 
 #[test]
-#[ignore = "slow: cargo test --release --test hard_cases -- --ignored (a minute)"]
+#[ignore = "slow: cargo test --release --test hard_cases -- --ignored (ten seconds)"]
 fn nothing_leaks_in_a_million_rays() {
     check(Tier::Slow);
 }
