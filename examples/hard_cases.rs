@@ -37,7 +37,7 @@ distance.
 
 Two rows show what is left. Of a film of 1e-3 nm so little comes back that it is decided by lot who follows it, and the
 rest carries its power, too. And rays that begin on an edge of a mesh, to the last bit, meet faces in an order that
-contradicts itself: some end, and are told as lost (`lost_medium`). By chance one ray in 10¹¹ does.
+contradicts itself: some end, and are told as lost (`lost_medium`). By chance, we estimate, one ray in 10¹¹ does.
 ";
 
 /// An error in one or two digits.
