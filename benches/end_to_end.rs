@@ -58,7 +58,7 @@ struct Case {
 }
 
 fn main() {
-    let path = Limits { depth: 64, splits: 0, ..Limits::default() };
+    let path = Limits { depth: 64, splits: Some(0), ..Limits::default() };
     let cases = [
         Case {
             name: "14,000 spheres n 1.5 in 1.33, depth 64, 1 λ",
@@ -125,7 +125,7 @@ fn rate(case: &Case, backend: Backend, threads: usize) -> (f64, f64) {
         backend,
         dome_level: 6,
         options: Options { limits: case.limits, ..Options::default() },
-        arm: None,
+        ..Settings::default()
     };
     let runs = (0..3).map(|_| {
         let outcome = measure(&sample, &light, &settings, |_| {}).unwrap();

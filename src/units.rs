@@ -131,9 +131,51 @@ pub fn significant(x: f64, digits: usize) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
+/// A share such as "1%" or "0.01".
+pub fn percentage(text: &str) -> Option<f64> {
+    let text = text.trim();
+    match text.strip_suffix('%') {
+        Some(number) => number.trim_end().parse::<f64>().ok().map(|x| x / 100.0),
+        None => text.parse().ok(),
+    }
+}
+
+/// A share in percent, as short as can be.
+pub fn show_percentage(share: f64) -> String {
+    format!("{}%", significant(100.0 * share, 6))
+}
+
+/// A time in seconds such as "60s", "5 min" or "2h"; a bare number is in seconds.
+///
+/// # Errors
+/// When the text is no number, or its unit no time.
+pub fn seconds(text: &str) -> Result<f64, UnitError> {
+    let error = || UnitError { text: text.into(), expected: "a time such as 60s, 5min or 2h" };
+    let (x, unit) = split(text).ok_or_else(error)?;
+    let factor = match unit {
+        "" | "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(error()),
+    };
+    if x > 0.0 && x.is_finite() { Ok(factor * x) } else { Err(error()) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn shares_and_times() {
+        assert_eq!([percentage("1%"), percentage("0.25 %"), percentage("0.5")], [Some(0.01), Some(0.0025), Some(0.5)]);
+        assert_eq!(percentage("one"), None);
+        assert_eq!(show_percentage(0.012_5), "1.25%");
+        assert_eq!(
+            [seconds("60s"), seconds("5 min"), seconds("2h"), seconds("3")].map(|s| s.unwrap()),
+            [60.0, 300.0, 7200.0, 3.0]
+        );
+        assert!(seconds("0").is_err() && seconds("-1s").is_err() && seconds("1 day").is_err());
+    }
 
     #[test]
     fn lengths_and_angles() {

@@ -80,7 +80,7 @@ impl Stack<'_> {
         let light = Light { source: self.source, ..light(&[NM], &[(theta, phi)], Polarization::Mueller) };
         let build = Build::within(self.above).below(self.below).films(0.0, self.layers);
         let mut settings = settings(if splits > 1 { 64 } else { 20_000 });
-        settings.options.limits = Limits { splits, faintest: 1e-24, ..Limits::default() };
+        settings.options.limits = Limits { splits: Some(splits), faintest: 1e-24, ..Limits::default() };
         measure(&build.sample(&light), &light, &settings, |_| {}).unwrap().bsdf.incidences.swap_remove(0)
     }
 

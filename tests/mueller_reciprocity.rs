@@ -48,7 +48,7 @@ fn box_of(size: [f64; 3], turn: DMat3, center: [f64; 3]) -> Shape {
 fn exact(build: &Build, from: DVec3, to: DVec3) -> Vec<matrices::Mueller> {
     let light = Light { incidences: vec![incidence(from)], ..light(&[550.0], &[], Polarization::Mueller) };
     let sample = build.sample(&light);
-    let limits = Limits { splits: 4, ..Limits::default() };
+    let limits = Limits { splits: Some(4), ..Limits::default() };
     let heard = listen::<Mueller>(&sample, &light, Backend::auto(), limits, Wanted::AUTO, &entries(3, 2000));
     let there = heard.exits.iter().filter(|e| e.dir.distance(to) < 1e-6);
     there.map(|e| in_polar_frame(e.fields[0].1, e.dir, e.frame)).collect()

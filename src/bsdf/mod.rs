@@ -1,16 +1,18 @@
 //! The result: spectral BRDF and BTDF with standard errors, and the energy ledger.
 
 pub mod compare;
+mod derived;
 mod lookup;
 mod overlay;
 mod reciprocity;
 mod sampling;
 mod scan;
 
-use crate::dome::{Entry, Estimate, Facet, Leaf, Measurement, Rule};
+use crate::dome::{BATCHES, Entry, Estimate, Facet, Leaf, Measurement, RESOLVED, Rule, critical};
 use crate::light::{Incidence, Light};
 use crate::plan::Plan;
 
+pub use derived::Derived;
 pub use lookup::{Blend, Lookup, Part, turned};
 pub use overlay::{Overlay, Point};
 pub use reciprocity::Reciprocity;
@@ -47,6 +49,8 @@ pub struct Scattering {
     pub deltas: Option<DeltaMatrices>,
     /// The facets of the adaptive dome, without the deltas. They cover the sphere once.
     pub facets: Vec<FacetValue>,
+    /// Errors of the whole, ratios and colours.
+    pub derived: Derived,
 }
 
 /// A Mueller matrix by rows, per wavelength. Stokes vectors are (I, Q, U, V) with Q = |Eₓ|² − |E_y|² and
@@ -156,7 +160,13 @@ pub struct FacetValue {
 
 impl Scattering {
     /// From what the dome measured. Wavelengths that shared a lane get the same numbers.
-    fn new(incidence: Incidence, straight_deg: Vec<f64>, measurement: &Measurement, plan: &Plan, rule: &Rule) -> Self {
+    fn new(
+        (incidence, straight_deg): (Incidence, Vec<f64>),
+        measurement: &Measurement,
+        wavelength_nm: &[f64],
+        plan: &Plan,
+        rule: &Rule,
+    ) -> Self {
         let spread =
             |term: usize| -> Vec<Estimate> { plan.lane_of.iter().map(|&lane| measurement.term(term, lane)).collect() };
         let mut ledger = Ledger::default();
@@ -173,11 +183,32 @@ impl Scattering {
             (shape.components > 1).then(|| DeltaMatrices { specular: matrices(false), undeflected: matrices(true) });
         let facets = measurement.leaves(rule).into_iter().map(|leaf| FacetValue::new(&leaf, &plan.lane_of)).collect();
         let (trees, segments) = (measurement.trees(), measurement.segments());
-        Self { incidence, straight_deg, trees, segments, ledger, absorbed_by, deltas, facets }
+        let derived = Derived::new(measurement, &plan.lane_of, wavelength_nm);
+        Self { incidence, straight_deg, trees, segments, ledger, absorbed_by, deltas, facets, derived }
     }
 }
 
 impl FacetValue {
+    /// Whether enough trees have hit it for its standard errors to mean something.
+    pub fn is_resolved(&self) -> bool {
+        self.trees >= RESOLVED
+    }
+
+    /// The interval that holds the true value of a wavelength 95 times in 100, 1/sr; `trees` were traced in all. Where the
+    /// facet is not resolved it goes from 0 to what as many trees as may have been missed by chance (Poisson) would bring
+    /// if each had sent all its light there.
+    pub fn interval(&self, wavelength: usize, trees: u64) -> [f64; 2] {
+        let Estimate { value, se } = self.value[wavelength];
+        if self.is_resolved() {
+            let half = critical(0.05, BATCHES as usize) * se;
+            return [value - half, value + half];
+        }
+        // Wilson and Hilferty.
+        let k = self.trees as f64 + 1.0;
+        let most = k * (1.0 - 1.0 / (9.0 * k) + 1.96 / (3.0 * k.sqrt())).powi(3);
+        [0.0, most / trees as f64 / self.facet.projected_solid_angle()]
+    }
+
     fn new(leaf: &Leaf, lane_of: &[usize]) -> Self {
         let angle = leaf.facet.projected_solid_angle();
         let per_steradian = |e: Estimate| Estimate { value: e.value / angle, se: e.se / angle };
@@ -203,7 +234,9 @@ impl Bsdf {
         Self {
             wavelength_nm: light.wavelengths.nm().to_vec(),
             groups: groups[..told].to_vec(),
-            incidences: scatterings.map(|((&i, s), m)| Scattering::new(i, s.clone(), m, plan, rule)).collect(),
+            incidences: scatterings
+                .map(|((&i, s), m)| Scattering::new((i, s.clone()), m, light.wavelengths.nm(), plan, rule))
+                .collect(),
         }
     }
 

@@ -4,9 +4,10 @@ use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use gonio_embree::experiment::{Outcome, measure};
+use gonio_embree::experiment::{Ending, Goal, Outcome, measure};
 use gonio_embree::output::{Measured, atomic, netcdf, summary, table};
 use gonio_embree::plot;
+use gonio_embree::units::significant;
 
 use super::progress::{Line, duration};
 use super::setup::{Scene, Setup};
@@ -35,7 +36,7 @@ pub struct Options {
 /// Measures, and writes what came out.
 pub fn run(options: &Options) -> Result<(), Failure> {
     let Scene { light, sample, files } = options.setup.scene()?;
-    let origin = options.setup.origin(files)?;
+    let mut origin = options.setup.origin(files)?;
     let output = options.output_path();
     let picture = output.with_extension("svg");
     if picture == output {
@@ -51,7 +52,13 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     line.clear();
     let outcome = outcome.map_err(|e| Failure::Cannot(e.to_string()))?;
     let times = times(&outcome);
-    let run = summary::Run { seconds: outcome.seconds, threads: settings.threads };
+    let goal = settings.goal.zip(outcome.ending);
+    if let Some(ending) =
+        outcome.ending.filter(|e| e.out_of_time && settings.goal.is_some_and(|g| g.max_rounds.is_none()))
+    {
+        origin.command += &format!(" --max-rounds {}", ending.rounds);
+    }
+    let run = summary::Run { seconds: outcome.seconds, threads: settings.threads, goal };
     let measured = outcome.into_measured(&sample, &light, &settings, origin);
     let bytes = netcdf::to_bytes(&measured).map_err(|e| Failure::Cannot(e.to_string()))?;
     write(&output, &bytes)?;
@@ -60,7 +67,23 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     if !options.quiet {
         tell(&format!("wrote {} and {}; {times}", output.display(), picture.display()));
     }
-    options.gate(&measured)
+    options.gate(&measured)?;
+    goal.map_or(Ok(()), |(goal, ending)| reached(&goal, &ending, &measured, run.seconds))
+}
+
+/// Whether a target, if there was one, is reached.
+fn reached(goal: &Goal, ending: &Ending, measured: &Measured, seconds: f64) -> Result<(), Failure> {
+    let Some(target) = goal.target.filter(|_| !ending.reached) else { return Ok(()) };
+    let error = measured.bsdf.incidences.iter().map(|s| target.of(&s.derived.precision)).fold(0.0, f64::max);
+    let cause =
+        if ending.out_of_time && goal.max_seconds.is_some() { "--max-time is over" } else { "--max-rounds are over" };
+    // A tenth more to see it twice.
+    let needed = 1.2 * seconds * (error / target.error()).powi(2).max(1.0);
+    let advice = if needed.is_finite() { format!("; it takes about {}", duration(needed)) } else { String::new() };
+    Err(Failure::Quality(format!(
+        "--target-error {target} was not reached: {cause} at {} %{advice}",
+        significant(100.0 * error, 2)
+    )))
 }
 
 /// Whether standard output is a terminal that shows any colour, and the user has not asked for none (no-color.org).
@@ -73,11 +96,18 @@ fn chips() -> bool {
 fn times(outcome: &Outcome) -> String {
     let trees: u64 = outcome.bsdf.incidences.iter().map(|s| s.trees).sum();
     let rate = trees as f64 / outcome.tracing_seconds / 1e6;
-    format!(
-        "{} in all, {} of it tracing ({rate:.3} M trees/s)",
-        duration(outcome.seconds),
-        duration(outcome.tracing_seconds)
-    )
+    let (all, tracing) = (duration(outcome.seconds), duration(outcome.tracing_seconds));
+    format!("{all} in all, {tracing} of it tracing ({rate:.3} M trees/s){}", price(outcome).unwrap_or_default())
+}
+
+/// What an error of 1 % would take, if this is far from it and was not asked for.
+fn price(outcome: &Outcome) -> Option<String> {
+    let worst = outcome.bsdf.incidences.iter().map(|s| s.derived.precision.whole).fold(0.0, f64::max);
+    let times = (worst / 0.01).powi(2);
+    let told = outcome.ending.is_none() && times > 2.0 && times.is_finite();
+    told.then(|| {
+        format!("; errors of 1 % take about {} (--target-error 1%)", duration(times * outcome.tracing_seconds))
+    })
 }
 
 impl Options {

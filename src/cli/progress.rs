@@ -4,6 +4,7 @@ use std::io::{self, IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};
 
 use gonio_embree::experiment::Progress;
+use gonio_embree::units::significant;
 
 /// Shows progress on standard error: on a terminal in one line that changes, else in a line now and then.
 pub struct Line {
@@ -40,10 +41,11 @@ impl Line {
 
 fn text(p: &Progress, incidences: usize) -> String {
     let rate = p.done as f64 / p.seconds;
-    let left = (p.total - p.done) as f64 / rate;
+    let left = p.total.saturating_sub(p.done) as f64 / rate;
+    let error = p.error.map(|e| format!("error {} %, ", significant(100.0 * e, 2))).unwrap_or_default();
     format!(
-        "tracing {:.0} %, incidence {} of {incidences}, {:.3} M trees/s, {} left",
-        100.0 * p.done as f64 / p.total as f64,
+        "tracing {:.0} %, {error}incidence {} of {incidences}, {:.3} M trees/s, {} left",
+        100.0 * p.done as f64 / p.total.max(p.done) as f64,
         (p.incidences + 1).min(incidences),
         rate / 1e6,
         duration(left)

@@ -14,7 +14,7 @@ use super::setup::{Scene, Setup};
 use super::{Failure, answer, draw, stored, tell};
 
 /// Options that a result has answered already.
-const FOR_A_SAMPLE: [&str; 19] = [
+const FOR_A_SAMPLE: [&str; 22] = [
     "mesh",
     "sample",
     "unit",
@@ -25,6 +25,9 @@ const FOR_A_SAMPLE: [&str; 19] = [
     "source_mode",
     "coherence_length",
     "trees",
+    "target_error",
+    "max_time",
+    "max_rounds",
     "effects",
     "probe",
     "edges",

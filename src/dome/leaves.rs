@@ -102,7 +102,7 @@ mod tests {
     use rand::rngs::Xoshiro256PlusPlus;
     use rand::{RngExt, SeedableRng};
 
-    use super::super::{Apart, Apertures, Detector, Locator, Shape, Tally};
+    use super::super::{Apart, Apertures, Detector, Locator, Round, Shape, Tally};
     use super::*;
     use crate::optics::field::{Field, Stokes};
     use crate::trace::{Detect, testing};
@@ -116,16 +116,16 @@ mod tests {
         let locator = Locator::new(4);
         let apart = vertical();
         let mut detector = Detector::new(&locator, Shape::of_power(1), &apart);
-        let mut measurement = Measurement::new(Shape::of_power(1), 4, 0);
+        let mut round = Round::new(Shape::of_power(1), 4, 0);
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(11);
         for _ in 0..batches {
             for tree in 0..trees {
                 let dir = sample(&mut rng);
                 testing::exit(&mut detector, tree, dir, Stokes::incident([1.0, 1.0, 0.0, 0.0]));
             }
-            measurement.add(&Detect::<Stokes>::finish(&mut detector, u64::from(trees)));
+            round.add(&Detect::<Stokes>::finish(&mut detector, u64::from(trees)));
         }
-        measurement
+        round.close()
     }
 
     fn lambert(rng: &mut Xoshiro256PlusPlus) -> DVec3 {

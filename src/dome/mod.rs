@@ -11,6 +11,7 @@ mod frame;
 mod geodesic;
 mod leaves;
 mod patch;
+mod precision;
 mod statistics;
 mod tally;
 
@@ -20,5 +21,6 @@ pub use frame::{theta as theta_direction, turn};
 pub use geodesic::{FINEST_LEVEL, Facet, Locator, count};
 pub use leaves::{Leaf, RESOLVED, Rule, critical};
 pub use patch::Patch;
-pub use statistics::{BATCHES, Estimate, Measurement};
+pub use precision::{FAINT, Noise, Precision, RESOLUTION};
+pub use statistics::{BATCHES, Estimate, Measurement, Round};
 pub use tally::{Entry, Shape, Tally};

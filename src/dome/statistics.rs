@@ -19,68 +19,77 @@ pub struct Estimate {
     pub se: f64,
 }
 
-/// Sums and sums of squares of batch means, per facet of one level.
-#[derive(Clone, Debug, Default)]
-struct Level {
+/// Rows of facets, of one level or of apertures, each with `N` numbers per lane and component.
+#[derive(Clone, Debug)]
+struct Level<const N: usize> {
     /// Row of each facet, or [`ABSENT`].
     rows: Vec<u32>,
     trees: Vec<u64>,
-    /// Sum over all batches, sum of the means of batches, and of their squares: per row, lane and component.
-    sums: Vec<[f64; 3]>,
+    sums: Vec<[f64; N]>,
 }
 
 const ABSENT: u32 = u32::MAX;
 
-/// Everything measured at one incidence.
+/// What is collected of independent scrambles of equally many trees, which together are a round.
+#[derive(Clone, Debug)]
+pub struct Round {
+    whole: Measurement,
+    /// Sum over all batches, sum of the means of batches, and of their squares.
+    levels: Vec<Level<3>>,
+    apertures: Level<3>,
+}
+
+/// Everything measured at one incidence. Rounds are independent: their variances add up.
 #[derive(Clone, Debug)]
 pub struct Measurement {
     shape: Shape,
     finest: u8,
     trees: u64,
     segments: u64,
-    /// Terms of the ledger of each batch: mean per tree, per term and lane.
-    batches: Vec<Vec<f64>>,
-    /// Sum of the terms of all batches.
-    totals: Vec<f64>,
-    levels: Vec<Level>,
+    /// By number of the batch; the same of all rounds are put together.
+    batches: Vec<Batch>,
+    /// Sum of the terms of all batches, and its variance.
+    terms: Vec<[f64; 2]>,
+    /// Sum of what a facet got, and its variance.
+    levels: Vec<Level<2>>,
     /// Rows of apertures.
-    apertures: Level,
+    apertures: Level<2>,
+}
+
+/// Terms of the ledger of a batch: sums, per term and lane.
+#[derive(Clone, Debug)]
+struct Batch {
+    trees: u64,
+    terms: Vec<f64>,
 }
 
 /// Variances below this part of the mean square are rounding.
 const ROUNDING: f64 = 1e-15;
 
-impl Measurement {
+impl Round {
     /// Nothing yet, for a dome of level `finest` and so many apertures.
     pub fn new(shape: Shape, finest: u8, apertures: usize) -> Self {
-        let level = |rows: usize| Level { rows: vec![ABSENT; rows], ..Level::default() };
         Self {
-            shape,
-            finest,
-            trees: 0,
-            segments: 0,
-            batches: Vec::new(),
-            totals: vec![0.0; shape.lanes * shape.terms()],
-            levels: (0..=finest).map(|l| level(count(l) as usize)).collect(),
-            apertures: level(apertures),
+            whole: Measurement::new(shape, finest, apertures),
+            levels: (0..=finest).map(|l| Level::new(count(l) as usize)).collect(),
+            apertures: Level::new(apertures),
         }
     }
 
     /// Adds a whole batch.
     pub fn add(&mut self, batch: &Tally) {
-        let n = batch.trees as f64;
-        self.trees += batch.trees;
-        self.segments += batch.segments;
-        let terms = batch.terms();
-        self.totals.iter_mut().zip(terms).for_each(|(sum, x)| *sum += x);
-        self.batches.push(terms.iter().map(|x| x / n).collect());
+        let (n, whole) = (batch.trees as f64, &mut self.whole);
+        whole.trees += batch.trees;
+        whole.segments += batch.segments;
+        whole.batches.push(Batch { trees: batch.trees, terms: batch.terms().to_vec() });
+        let finest = whole.finest;
         let mut rows: Vec<(u32, u64, Vec<f64>)> =
             batch.facets().map(|(code, trees, power)| (code, u64::from(trees), power.to_vec())).collect();
-        let apertures = rows.split_off(rows.partition_point(|row| row.0 < count(self.finest)));
+        let apertures = rows.split_off(rows.partition_point(|row| row.0 < count(finest)));
         for (code, trees, power) in apertures {
-            self.apertures.add(code - count(self.finest), trees, &power, n);
+            self.apertures.add(code - count(finest), trees, &power, n);
         }
-        for level in (0..=self.finest).rev() {
+        for level in (0..=finest).rev() {
             for (code, trees, power) in &rows {
                 let told = self.told(Facet { level, code: *code }, power);
                 self.levels[usize::from(level)].add(*code, *trees, &told, n);
@@ -89,9 +98,25 @@ impl Measurement {
         }
     }
 
+    /// What all its batches have measured.
+    pub fn close(self) -> Measurement {
+        let Self { mut whole, levels, apertures } = self;
+        let scale = whole.trees as f64 * whole.trees as f64;
+        let b = whole.batches.len() as f64;
+        let of = |[sum, means, squares]: [f64; 3]| {
+            let spread = squares - means * means / b;
+            let variance = if spread <= ROUNDING * squares { 0.0 } else { spread / (b - 1.0) / b };
+            [sum, scale * if b > 1.0 { variance } else { f64::NAN }]
+        };
+        whole.terms = (0..whole.terms.len()).map(|at| term(&whole.batches, at, scale)).collect();
+        whole.levels = levels.into_iter().map(|level| level.map(of)).collect();
+        whole.apertures = apertures.map(of);
+        whole
+    }
+
     /// What a facet got, as it is told: matrices in the frame of s and p at its centre.
     fn told<'p>(&self, facet: Facet, power: &'p [f64]) -> Cow<'p, [f64]> {
-        if self.shape.components == 1 {
+        if self.whole.shape.components == 1 {
             return Cow::Borrowed(power);
         }
         let center = facet.center();
@@ -102,6 +127,40 @@ impl Measurement {
             .iter_mut()
             .for_each(|matrix| *matrix = Mueller::from_rows(matrix).rotated(cos, sin).rows());
         Cow::Owned(told)
+    }
+}
+
+impl Measurement {
+    fn new(shape: Shape, finest: u8, apertures: usize) -> Self {
+        Self {
+            shape,
+            finest,
+            trees: 0,
+            segments: 0,
+            batches: Vec::new(),
+            terms: vec![[0.0; 2]; shape.lanes * shape.terms()],
+            levels: (0..=finest).map(|l| Level::new(count(l) as usize)).collect(),
+            apertures: Level::new(apertures),
+        }
+    }
+
+    /// Adds what a later round has measured, of other trees.
+    pub fn merge(&mut self, later: &Self) {
+        self.trees += later.trees;
+        self.segments += later.segments;
+        self.terms.iter_mut().zip(&later.terms).for_each(|(a, b)| add(a, b));
+        for (i, batch) in later.batches.iter().enumerate() {
+            match self.batches.get_mut(i) {
+                None => self.batches.push(batch.clone()),
+                Some(own) => {
+                    own.trees += batch.trees;
+                    own.terms.iter_mut().zip(&batch.terms).for_each(|(a, b)| *a += b);
+                }
+            }
+        }
+        let width = self.shape.row();
+        self.levels.iter_mut().zip(&later.levels).for_each(|(a, b)| a.merge(b, width));
+        self.apertures.merge(&later.apertures, width);
     }
 
     /// Trees traced.
@@ -132,14 +191,23 @@ impl Measurement {
     /// A term of the ledger (an [entry](super::Entry), or as [`Shape`] numbers them) for a lane, as a share of the incident
     /// power.
     pub fn term(&self, term: usize, lane: usize) -> Estimate {
-        let at = term * self.shape.lanes + lane;
-        let values = self.batches.iter().map(|b| b[at]);
+        self.mean(self.terms[term * self.shape.lanes + lane])
+    }
+
+    /// A function of the terms of the ledger, each the share of the incident power as [`Self::term`] numbers them, a row of
+    /// lanes each; its standard error by leaving out one batch after the other (the jackknife).
+    pub fn jackknife(&self, function: impl Fn(&[f64]) -> f64) -> Estimate {
+        let share = |without: Option<&Batch>| {
+            let trees = (self.trees - without.map_or(0, |b| b.trees)) as f64;
+            let terms = self.terms.iter().enumerate();
+            let rest = terms.map(|(i, [sum, _])| (sum - without.map_or(0.0, |b| b.terms[i])) / trees);
+            function(&rest.collect::<Vec<f64>>())
+        };
         let b = self.batches.len() as f64;
-        let mean = values.clone().sum::<f64>() / b;
-        let variance = values.map(|x| (x - mean) * (x - mean)).sum::<f64>() / (b - 1.0) / b;
-        let square = mean * mean;
-        let se = if variance <= ROUNDING * ROUNDING * square { 0.0 } else { variance.sqrt() };
-        Estimate { value: self.totals[at] / self.trees as f64, se: if b > 1.0 { se } else { f64::NAN } }
+        let parts: Vec<f64> = self.batches.iter().map(|batch| share(Some(batch))).collect();
+        let mean = parts.iter().sum::<f64>() / b;
+        let spread: f64 = parts.iter().map(|x| (x - mean) * (x - mean)).sum();
+        Estimate { value: share(None), se: if b > 1.0 { ((b - 1.0) / b * spread).sqrt() } else { f64::NAN } }
     }
 
     /// Share of the incident power in a facet, for a lane.
@@ -157,17 +225,16 @@ impl Measurement {
         self.estimate(&self.apertures, aperture, lane, 0)
     }
 
-    fn estimate(&self, level: &Level, at: usize, lane: usize, component: usize) -> Estimate {
-        let row = level.rows[at];
-        if row == ABSENT {
-            return Estimate::default();
+    fn estimate(&self, level: &Level<2>, at: usize, lane: usize, component: usize) -> Estimate {
+        match level.rows[at] {
+            ABSENT => Estimate::default(),
+            row => self.mean(level.sums[row as usize * self.shape.row() + lane * self.shape.components + component]),
         }
-        let [power, sum, square] =
-            level.sums[row as usize * self.shape.row() + lane * self.shape.components + component];
-        let b = self.batches.len() as f64;
-        let spread = square - sum * sum / b;
-        let se = if spread <= ROUNDING * square { 0.0 } else { (spread / (b - 1.0) / b).sqrt() };
-        Estimate { value: power / self.trees as f64, se: if b > 1.0 { se } else { f64::NAN } }
+    }
+
+    /// From a sum and its variance.
+    fn mean(&self, [sum, variance]: [f64; 2]) -> Estimate {
+        Estimate { value: sum / self.trees as f64, se: variance.sqrt() / self.trees as f64 }
     }
 
     /// Trees that hit a facet (one that hits two of its parts counts twice).
@@ -180,21 +247,57 @@ impl Measurement {
     }
 }
 
-impl Level {
-    fn add(&mut self, code: u32, trees: u64, power: &[f64], n: f64) {
+/// Sum of a term over all batches, and its variance; `scale` is the square of the number of trees.
+fn term(batches: &[Batch], at: usize, scale: f64) -> [f64; 2] {
+    let values = batches.iter().map(|b| b.terms[at] / b.trees as f64);
+    let b = batches.len() as f64;
+    let mean = values.clone().sum::<f64>() / b;
+    let variance = values.map(|x| (x - mean) * (x - mean)).sum::<f64>() / (b - 1.0) / b;
+    let variance = if variance <= ROUNDING * ROUNDING * mean * mean { 0.0 } else { variance };
+    [batches.iter().map(|b| b.terms[at]).sum(), scale * if b > 1.0 { variance } else { f64::NAN }]
+}
+
+fn add<const N: usize>(sum: &mut [f64; N], other: &[f64; N]) {
+    sum.iter_mut().zip(other).for_each(|(a, b)| *a += b);
+}
+
+impl<const N: usize> Level<N> {
+    fn new(facets: usize) -> Self {
+        Self { rows: vec![ABSENT; facets], trees: Vec::new(), sums: Vec::new() }
+    }
+
+    /// Numbers of a facet, which has as many as `width`.
+    fn row(&mut self, code: u32, trees: u64, width: usize) -> &mut [[f64; N]] {
         let row = &mut self.rows[code as usize];
         if *row == ABSENT {
             *row = self.trees.len() as u32;
             self.trees.push(0);
-            self.sums.resize(self.sums.len() + power.len(), [0.0; 3]);
+            self.sums.resize(self.sums.len() + width, [0.0; N]);
         }
         let row = *row as usize;
         self.trees[row] += trees;
-        let sums = &mut self.sums[row * power.len()..];
-        for (sum, p) in sums.iter_mut().zip(power) {
-            let mean = p / n;
-            *sum = [sum[0] + p, sum[1] + mean, sum[2] + mean * mean];
+        &mut self.sums[row * width..(row + 1) * width]
+    }
+
+    fn merge(&mut self, other: &Self, width: usize) {
+        for (code, &row) in other.rows.iter().enumerate().filter(|(_, row)| **row != ABSENT) {
+            let row = row as usize;
+            let sums = self.row(code as u32, other.trees[row], width);
+            sums.iter_mut().zip(&other.sums[row * width..]).for_each(|(a, b)| add(a, b));
         }
+    }
+}
+
+impl Level<3> {
+    fn add(&mut self, code: u32, trees: u64, power: &[f64], n: f64) {
+        for (sum, p) in self.row(code, trees, power.len()).iter_mut().zip(power) {
+            let mean = p / n;
+            add(sum, &[*p, mean, mean * mean]);
+        }
+    }
+
+    fn map(self, of: impl Fn([f64; 3]) -> [f64; 2]) -> Level<2> {
+        Level { rows: self.rows, trees: self.trees, sums: self.sums.into_iter().map(of).collect() }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::gather::Gather;
-use super::{Bench, Error, Settings, pilot};
+use super::{Bench, Error, Settings};
 use crate::light::Light;
 use crate::output::plan::Explanation;
 use crate::plan::{Name, Plan};
@@ -20,11 +20,11 @@ const TIMES: usize = 3;
 /// When the light comes from nowhere, or the backend cannot work.
 pub fn explain(sample: &Sample, light: &Light, settings: &Settings) -> Result<Explanation, Error> {
     let bench = Bench::new(sample, light, settings)?;
-    let plan = pilot::decide(&bench, Plan::new(sample, light, &settings.options));
+    let plan = bench.plan();
     let others: Vec<Option<Plan>> = plan.effects.iter().map(|e| other(&bench, &plan, e.name)).collect();
     let few =
         Settings { trees: (TREES / light.incidences.len() as u64).max(32).min(settings.trees), ..settings.clone() };
-    let timed = Bench::new(sample, light, &few)?;
+    let timed = Bench { settings: &few, ..bench.clone() };
     let mut least = vec![f64::INFINITY; 1 + others.len()];
     for _ in 0..TIMES {
         let plans = std::iter::once(Some(&plan)).chain(others.iter().map(Option::as_ref));

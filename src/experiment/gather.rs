@@ -1,12 +1,12 @@
-//! The tracing of a whole measurement: tallies are put together in their order, units into batches, batches into
-//! measurements.
+//! The tracing of a whole measurement: tallies are put together in their order, units into batches, batches into rounds,
+//! rounds into measurements.
 
 use std::time::Instant;
 
 use super::apart::apart;
-use super::{BATCHES, Bench, Progress, Settings};
-use crate::dome::{Apart, Detector, Locator, Measurement, Shape, Tally};
-use crate::light::Light;
+use super::course::{Course, Ending};
+use super::{BATCHES, Bench, Progress};
+use crate::dome::{Apart, Detector, Locator, Measurement, Round, Shape, Tally};
 use crate::optics::field::Field;
 use crate::trace::{Batch, Effects, Job, Kernel, Stacks, Unit, run};
 
@@ -16,6 +16,8 @@ pub struct Gather<'b, 'k, W> {
     kernel: &'b Kernel<'k>,
     start: Instant,
     watch: W,
+    /// Number of the first scramble.
+    scramble: u32,
 }
 
 /// What the dome caught.
@@ -24,6 +26,14 @@ pub struct Gathered {
     pub measurements: Vec<Measurement>,
     /// Stacks of films met.
     pub stacks: Stacks,
+    /// How it ended, if there was a goal.
+    pub ending: Option<Ending>,
+}
+
+/// What a round has yielded so far.
+struct Gathering {
+    rounds: Vec<Round>,
+    stacks: Stacks,
     batch: Tally,
     progress: Progress,
 }
@@ -31,7 +41,12 @@ pub struct Gathered {
 impl<'b, 'k, W: FnMut(Progress)> Gather<'b, 'k, W> {
     /// The work of a kernel; `watch` is told how far it is.
     pub fn new(bench: &'b Bench<'b>, kernel: &'b Kernel<'k>, start: Instant, watch: W) -> Self {
-        Self { bench, kernel, start, watch }
+        Self { bench, kernel, start, watch, scramble: 0 }
+    }
+
+    /// With other scrambles, beginning at this one.
+    pub fn from_scramble(self, scramble: u32) -> Self {
+        Self { scramble, ..self }
     }
 }
 
@@ -46,39 +61,59 @@ impl<W: FnMut(Progress)> Job for Gather<'_, '_, W> {
         let locator = Locator::new(settings.dome_level);
         let arm = settings.arm.as_ref();
         let apart: Vec<Apart> = light.incidences.iter().map(|i| apart(sample, plan, i, arm)).collect();
-        let units: Vec<Unit> = units(light, settings).collect();
         let make = || Detector::new(&locator, shape, &apart);
-        let mut gathered = Gathered::new(settings, shape, &apart);
-        run::<F, E, _>(self.kernel, light, &units, pool, make, |unit, tally, stacks| {
-            gathered.stacks.merge(&stacks);
-            gathered.take(unit, &tally, settings.trees);
-            gathered.progress.seconds = self.start.elapsed().as_secs_f64();
-            (self.watch)(gathered.progress);
-            true
-        });
-        gathered
+        let mut course = Course::new(settings.goal, settings.trees, apart.len());
+        let (mut measurements, mut stacks): (Vec<Measurement>, _) = (Vec::new(), Stacks::default());
+        let tracing = Instant::now();
+        let (mut done, mut scramble) = (0, self.scramble);
+        let seconds = |since: Instant| since.elapsed().as_secs_f64();
+        while let Some(round) = course.next(seconds(self.start), seconds(tracing)) {
+            let units: Vec<Unit> = units(settings.seed, &round, scramble).collect();
+            let forecast = course.forecast(seconds(tracing));
+            let mut gathering = Gathering {
+                rounds: apart.iter().map(|a| Round::new(shape, settings.dome_level, a.apertures.len())).collect(),
+                stacks: Stacks::default(),
+                batch: Tally::new(shape),
+                progress: Progress {
+                    done,
+                    total: forecast.map_or(done + round.iter().sum::<u64>(), |f| f.trees),
+                    incidences: 0,
+                    seconds: 0.0,
+                    error: course.error(),
+                },
+            };
+            run::<F, E, _>(self.kernel, light, &units, pool, make, |unit, tally, stacks| {
+                gathering.stacks.merge(&stacks);
+                gathering.take(unit, &tally, &round, scramble);
+                gathering.progress.seconds = seconds(self.start);
+                (self.watch)(gathering.progress);
+                true
+            });
+            done = gathering.progress.done;
+            scramble += BATCHES;
+            stacks.merge(&gathering.stacks);
+            let closed = gathering.rounds.into_iter().map(Round::close);
+            if measurements.is_empty() {
+                measurements = closed.collect();
+            } else {
+                measurements.iter_mut().zip(closed).for_each(|(m, later)| m.merge(&later));
+            }
+            course.look(&measurements, &round, seconds(tracing));
+        }
+        Gathered { measurements, stacks, ending: course.ending() }
     }
 }
 
-impl Gathered {
-    fn new(settings: &Settings, shape: Shape, apart: &[Apart]) -> Self {
-        let total = settings.trees * apart.len() as u64;
-        let measurement = |apart: &Apart| Measurement::new(shape, settings.dome_level, apart.apertures.len());
-        Self {
-            measurements: apart.iter().map(measurement).collect(),
-            stacks: Stacks::default(),
-            batch: Tally::new(shape),
-            progress: Progress { done: 0, total, incidences: 0, seconds: 0.0 },
-        }
-    }
-
-    fn take(&mut self, unit: &Unit, tally: &Tally, trees: u64) {
+impl Gathering {
+    /// Takes what a unit has yielded, of a round whose first scramble is `first`.
+    fn take(&mut self, unit: &Unit, tally: &Tally, round: &[u64], first: u32) {
         self.batch.merge(tally);
         let Batch { scramble, incidence, .. } = unit.batch;
-        if unit.first + unit.count == trees_of_batch(trees, scramble) {
+        let trees = round[incidence as usize];
+        if unit.first + unit.count == trees_of_batch(trees, scramble - first) {
             let batch = std::mem::replace(&mut self.batch, Tally::new(tally.shape()));
-            self.measurements[incidence as usize].add(&batch);
-            if scramble + 1 == batches(trees) {
+            self.rounds[incidence as usize].add(&batch);
+            if scramble - first + 1 == batches(trees) {
                 self.progress.incidences += 1;
             }
         }
@@ -97,10 +132,10 @@ fn trees_of_batch(trees: u64, scramble: u32) -> u32 {
     (trees / n + u64::from(u64::from(scramble) < trees % n)) as u32
 }
 
-fn units<'a>(light: &'a Light, settings: &'a Settings) -> impl Iterator<Item = Unit> + 'a {
-    let Settings { seed, trees, .. } = *settings;
-    (0..light.incidences.len() as u32).flat_map(move |incidence| {
+/// Units of a round of so many trees per incidence, whose first scramble is `first`.
+fn units(seed: u64, round: &[u64], first: u32) -> impl Iterator<Item = Unit> + '_ {
+    (0..).zip(round).flat_map(move |(incidence, &trees)| {
         (0..batches(trees))
-            .flat_map(move |scramble| Unit::cut(Batch { seed, incidence, scramble }, trees_of_batch(trees, scramble)))
+            .flat_map(move |i| Unit::cut(Batch { seed, incidence, scramble: first + i }, trees_of_batch(trees, i)))
     })
 }

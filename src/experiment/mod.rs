@@ -1,12 +1,15 @@
 //! The order of work: plan, try what the plan leaves open, trace, evaluate.
 
 mod apart;
+mod course;
 mod explain;
 mod gather;
 mod pilot;
 mod provenance;
+mod splits;
 
 use std::fmt;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::bsdf::{Arm, Bsdf, Scan};
@@ -20,14 +23,17 @@ use crate::trace::{Kernel, Stacks, with_kernel};
 use gather::Gather;
 
 pub use crate::dome::BATCHES;
+pub use course::{Ending, Forecast, Goal, Target};
 pub use explain::explain;
 pub use provenance::Origin;
 
 /// What the user decides besides sample and light.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Trees per incidence.
+    /// Trees per incidence; with a goal only those a pilot is measured by.
     pub trees: u64,
+    /// When enough is traced, in place of a fixed number of trees.
+    pub goal: Option<Goal>,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Threads.
@@ -47,6 +53,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             trees: 200_000,
+            goal: None,
             seed: 1,
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             backend: Backend::auto(),
@@ -68,6 +75,8 @@ pub struct Outcome {
     pub plan: Plan,
     /// Stacks of films met.
     pub stacks: Stacks,
+    /// How it ended, if there was a goal.
+    pub ending: Option<Ending>,
     /// Wall time, s.
     pub seconds: f64,
     /// Part of it spent on tracing, s.
@@ -79,12 +88,14 @@ pub struct Outcome {
 pub struct Progress {
     /// Trees traced, of all incidences.
     pub done: u64,
-    /// Trees to trace.
+    /// Trees to trace; with a target as many as it is thought to take.
     pub total: u64,
-    /// Incidences completed.
+    /// Incidences completed in this round.
     pub incidences: usize,
     /// Seconds since the start.
     pub seconds: f64,
+    /// With a goal, the greatest error of all incidences after the last round.
+    pub error: Option<f64>,
 }
 
 /// Why nothing is measured.
@@ -114,23 +125,29 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {}
 
 /// What all rays of an experiment need: the sample under its light, ready to be traced.
+#[derive(Clone)]
 struct Bench<'a> {
     sample: &'a Sample,
     light: &'a Light,
     settings: &'a Settings,
-    scene: Scene,
-    pool: rayon::ThreadPool,
+    scene: Arc<Scene>,
+    pool: Arc<rayon::ThreadPool>,
 }
 
 impl<'a> Bench<'a> {
     fn new(sample: &'a Sample, light: &'a Light, settings: &'a Settings) -> Result<Self, Error> {
         light.incidences.iter().try_for_each(|i| i.check().map_err(Error::Incidence))?;
-        let scene = Scene::new(sample.primitives.clone(), sample.domain, settings.backend)?;
+        let scene = Arc::new(Scene::new(sample.primitives.clone(), sample.domain, settings.backend)?);
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(settings.threads)
             .build()
             .map_err(|e| BackendError::Library(format!("cannot start {} threads: {e}", settings.threads)))?;
-        Ok(Self { sample, light, settings, scene, pool })
+        Ok(Self { sample, light, settings, scene, pool: Arc::new(pool) })
+    }
+
+    /// The plan, with what pilots have found.
+    fn plan(&self) -> Plan {
+        splits::choose(self, pilot::decide(self, Plan::new(self.sample, self.light, &self.settings.options)))
     }
 
     fn kernel<'b>(&'b self, plan: &'b Plan) -> Kernel<'b> {
@@ -150,7 +167,7 @@ pub fn measure(
 ) -> Result<Outcome, Error> {
     let start = Instant::now();
     let bench = Bench::new(sample, light, settings)?;
-    let plan = pilot::decide(&bench, Plan::new(sample, light, &settings.options));
+    let plan = bench.plan();
     let kernel = bench.kernel(&plan);
     let tracing = Instant::now();
     let gathered = with_kernel(plan.kernel, Gather::new(&bench, &kernel, start, watch));
@@ -159,8 +176,8 @@ pub fn measure(
     let straight: Vec<Vec<f64>> = light.incidences.iter().map(straight).collect();
     let bsdf = Bsdf::new(light, &gathered.measurements, &straight, &plan, &sample.groups.names, &Rule::default());
     let scans = settings.arm.iter().flat_map(|arm| bsdf.scans(arm, &gathered.measurements, &plan)).collect();
-    let stacks = gathered.stacks;
-    Ok(Outcome { bsdf, scans, plan, stacks, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
+    let (stacks, ending) = (gathered.stacks, gathered.ending);
+    Ok(Outcome { bsdf, scans, plan, stacks, ending, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
 }
 
 #[cfg(test)]

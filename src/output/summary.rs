@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::measured::{Measured, StackHits, UsedBackend, Validity};
 use crate::bsdf::Scattering;
 use crate::dome::Estimate;
+use crate::experiment::{Ending, Goal};
 
 /// What the result itself does not know: it may differ from run to run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +16,8 @@ pub struct Run {
     pub seconds: f64,
     /// Threads.
     pub threads: usize,
+    /// What was aimed at, and how it ended.
+    pub goal: Option<(Goal, Ending)>,
 }
 
 #[derive(Serialize)]
@@ -30,6 +33,28 @@ struct Summary<'a> {
     incidences: Vec<Incidence>,
     validity: &'a Validity,
     stacks: &'a [StackHits],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    goal: Option<Aimed>,
+}
+
+#[derive(Serialize)]
+struct Aimed {
+    target_error: Option<String>,
+    reached: bool,
+    out_of_time: bool,
+    rounds: f64,
+    forecast_trees: u64,
+    forecast_seconds: f64,
+}
+
+/// Relative errors that 95 of 100 measurements do not exceed; of the worst facet none if it cannot be told.
+#[derive(Serialize)]
+struct Errors {
+    brdf: f64,
+    btdf: f64,
+    reflected: f64,
+    transmitted: f64,
+    worst_facet: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -54,6 +79,12 @@ struct Incidence {
     lost: Vec<f64>,
     specular: Vec<f64>,
     undeflected: Vec<f64>,
+    errors: Errors,
+    /// CIE L*a*b* of the reflected light, and their standard errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reflected_lab: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reflected_lab_se: Option<[f64; 3]>,
 }
 
 /// The document.
@@ -75,14 +106,26 @@ pub fn json(measured: &Measured, run: &Run) -> String {
         incidences: measured.bsdf.incidences.iter().map(incidence).collect(),
         validity: &p.validity,
         stacks: &p.stacks,
+        goal: run.goal.map(aimed),
     };
     serde_json::to_string_pretty(&summary).expect("plain numbers and texts")
+}
+
+fn aimed((goal, ending): (Goal, Ending)) -> Aimed {
+    Aimed {
+        target_error: goal.target.map(|t| t.to_string()),
+        reached: ending.reached,
+        out_of_time: ending.out_of_time,
+        rounds: ending.rounds,
+        forecast_trees: ending.forecast.trees,
+        forecast_seconds: ending.forecast.seconds,
+    }
 }
 
 fn incidence(s: &Scattering) -> Incidence {
     let values = |all: &[Estimate]| all.iter().map(|e| e.value).collect();
     let errors = |all: &[Estimate]| all.iter().map(|e| e.se).collect();
-    let l = &s.ledger;
+    let (l, precision) = (&s.ledger, &s.derived.precision);
     Incidence {
         theta_deg: s.incidence.theta_deg,
         phi_deg: s.incidence.phi_deg,
@@ -97,5 +140,14 @@ fn incidence(s: &Scattering) -> Incidence {
         lost: l.lost(),
         specular: values(&l.specular),
         undeflected: values(&l.undeflected),
+        errors: Errors {
+            brdf: precision.above,
+            btdf: precision.below,
+            reflected: precision.reflected,
+            transmitted: precision.transmitted,
+            worst_facet: Some(precision.facet).filter(|e| e.is_finite()),
+        },
+        reflected_lab: s.derived.reflected_lab.map(|lab| lab.map(|e| e.value)),
+        reflected_lab_se: s.derived.reflected_lab.map(|lab| lab.map(|e| e.se)),
     }
 }

@@ -7,7 +7,7 @@ use crate::bsdf::{Ledger, Scattering};
 use crate::colour::{self, Illuminant, Srgb};
 use crate::dome::Estimate;
 use crate::plan::features::SMALL;
-use crate::units::show_length;
+use crate::units::{show_length, significant};
 
 /// One table per incidence, then what is to be said about all of them; `chips` draws colours where a terminal can.
 pub fn text(measured: &Measured, chips: bool) -> String {
@@ -17,6 +17,7 @@ pub fn text(measured: &Measured, chips: bool) -> String {
     for s in &measured.bsdf.incidences {
         incidence(&mut out, s, &measured.bsdf.wavelength_nm, &shown);
         glance(&mut out, s, weights.as_deref(), chips);
+        errors(&mut out, s);
     }
     notes(&mut out, measured);
     out
@@ -72,12 +73,35 @@ fn glance(out: &mut String, s: &Scattering, weights: Option<&[[f64; 3]]>, chips:
     if reflected.len() > 1 && most > 0.0 {
         let _ = write!(out, "R(λ) {}  {least:.4} to {most:.4}", blocks(&reflected, most));
     }
+    if let Some(lab) = s.derived.reflected_lab {
+        let of = |name: &str, e: Estimate| format!("{name} {:.1} ±{:.2}", e.value, e.se);
+        let _ = write!(out, "   {} {} {}", of("L*", lab[0]), of("a*", lab[1]), of("b*", lab[2]));
+    }
     if let Some(weights) = weights {
         let Srgb([r, g, b]) = colour::srgb(colour::summed(weights, reflected.iter().copied()));
         let chip = if chips { format!("\x1b[48;2;{r};{g};{b}m    \x1b[0m ") } else { String::new() };
         let _ = write!(out, "   colour in daylight {chip}#{r:02x}{g:02x}{b:02x}");
     }
     out.push_str(if reflected.len() > 1 && most > 0.0 || weights.is_some() { "\n\n" } else { "\n" });
+}
+
+/// How far all of it may be from the truth.
+fn errors(out: &mut String, s: &Scattering) {
+    let p = &s.derived.precision;
+    let percent = |share: f64| format!("{} %", significant(100.0 * share, 2));
+    let percent = |share: f64| if share.is_finite() { percent(share) } else { "unknown".into() };
+    let parts = [("BRDF", p.above), ("BTDF", p.below), ("reflected", p.reflected), ("transmitted", p.transmitted)];
+    let told: Vec<String> =
+        parts.iter().filter(|(_, e)| *e > 0.0).map(|(name, e)| format!("{name} {}", percent(*e))).collect();
+    if told.is_empty() {
+        return;
+    }
+    let worst = match p.facet {
+        0.0 => String::new(),
+        e if e.is_finite() => format!("; worst facet of 8° {}", percent(e)),
+        _ => "; some facets of 8° unresolved".into(),
+    };
+    let _ = writeln!(out, "errors (95 %): {}{worst}\n", told.join(", "));
 }
 
 /// Values as blocks of eight heights, `most` the highest.

@@ -9,7 +9,7 @@ use super::stream::{Border, Flight};
 use crate::geometry::{Crossing, Order, Query, Ray, SurfaceId};
 use crate::intersect::Scene;
 use crate::light::Light;
-use crate::plan::{Name, Plan};
+use crate::plan::{Limits, Name, Plan};
 use crate::sample::Sample;
 use crate::sample::tiling::Cell;
 
@@ -22,6 +22,8 @@ pub struct Kernel<'a> {
     pub(super) media: Media,
     /// Surfaces of more than one face: leaving a body there may enter another.
     shared: Vec<bool>,
+    /// At how many interfaces of a tree both branches are followed.
+    pub(super) splits: u32,
     /// How far sideways a ray may get: in periods, or, in an open sample, µm from the centre.
     far: DVec2,
     /// Whether lengths are reported at exits, from which the phase follows.
@@ -44,7 +46,8 @@ impl<'a> Kernel<'a> {
         let media = Media::new(plan, &wavelengths);
         let (solids, shared) = (Solids::new(sample), shared_surfaces(scene));
         let far = plan.limits.walk * furthest(&sample.cell);
-        Self { scene, sample, plan, solids, media, shared, far, follow_phase: plan.has(Name::Phase) }
+        let splits = plan.limits.splits.unwrap_or(Limits::USUAL_SPLITS);
+        Self { scene, sample, plan, solids, media, shared, splits, far, follow_phase: plan.has(Name::Phase) }
     }
 
     /// The plan.

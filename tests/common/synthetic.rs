@@ -1,7 +1,7 @@
 //! Results made from formulas, to be looked at as if they were measured.
 
 use glam::DVec3;
-use gonio_embree::bsdf::{Bsdf, DeltaMatrices, FacetValue, Ledger, Scattering};
+use gonio_embree::bsdf::{Bsdf, DeltaMatrices, Derived, FacetValue, Ledger, Scattering};
 use gonio_embree::dome::{Estimate, Facet, theta_direction, turn};
 use gonio_embree::light::Incidence;
 use gonio_embree::optics::C64;
@@ -38,7 +38,17 @@ pub fn result(
         let straight_deg = vec![theta_deg; wavelength_nm.len()];
         let ledger = ledger(&facets, wavelength_nm.len(), specular);
         let (trees, segments) = (1000, 1000);
-        Scattering { incidence, straight_deg, trees, segments, ledger, absorbed_by: Vec::new(), deltas: None, facets }
+        Scattering {
+            incidence,
+            straight_deg,
+            trees,
+            segments,
+            ledger,
+            absorbed_by: Vec::new(),
+            deltas: None,
+            facets,
+            derived: Derived::default(),
+        }
     };
     let incidences = incidences.iter().map(scattering).collect();
     Bsdf { wavelength_nm: wavelength_nm.to_vec(), groups: Vec::new(), incidences }

@@ -9,6 +9,7 @@
 //! their frames are those of [`crate::bsdf::Matrices`]. Every quantity with statistics has a partner `_se`. Numbers are doubles and come back
 //! as they were; how the result came about is the attribute `provenance` (JSON).
 
+mod derived;
 mod read;
 mod write;
 
@@ -46,8 +47,8 @@ fn broken(what: impl Into<String>) -> NetcdfError {
 mod tests {
     use super::super::measured::{Measured, Provenance, UsedBackend, Validity};
     use super::*;
-    use crate::bsdf::{Bsdf, DeltaMatrices, FacetValue, Ledger, Matrices, Scattering};
-    use crate::dome::{Estimate, Facet};
+    use crate::bsdf::{Bsdf, DeltaMatrices, Derived, FacetValue, Ledger, Matrices, Scattering};
+    use crate::dome::{Estimate, Facet, Precision};
     use crate::light::Incidence;
 
     fn measured(groups: usize, mueller: bool) -> Measured {
@@ -70,6 +71,20 @@ mod tests {
                 mueller: matrices(0.7 + theta_deg),
             };
             let facets = Facet::all(1).map(facet).collect();
+            let derived = Derived {
+                precision: Precision {
+                    above: 0.1,
+                    below: 0.2,
+                    reflected: 0.3,
+                    transmitted: 0.4,
+                    whole: 0.5,
+                    facet: f64::INFINITY,
+                },
+                specular_share: estimate(0.6),
+                undeflected_share: estimate(0.7),
+                reflected_lab: Some([50.0, theta_deg, -1.0].map(|value| Estimate { value, se: 0.1 })),
+                transmitted_lab: Some([60.0, 2.0, theta_deg].map(|value| Estimate { value, se: 0.2 })),
+            };
             let incidence = Incidence { theta_deg, phi_deg: 0.1 };
             let deltas = mueller.then(|| DeltaMatrices { specular: matrices(0.1), undeflected: matrices(0.2) });
             let absorbed_by = (0..groups).map(|g| estimate(0.2 + g as f64)).collect();
@@ -82,6 +97,7 @@ mod tests {
                 absorbed_by,
                 deltas,
                 facets,
+                derived,
             }
         };
         let provenance = Provenance {

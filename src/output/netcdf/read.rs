@@ -4,8 +4,9 @@ use netcdf_reader::NcFile;
 use netcdf_writer::NcAttrValue;
 
 use super::super::measured::Measured;
+use super::derived::{COLOURS, PRECISION, SHARES, precision_mut};
 use super::{NetcdfError, SCHEMA, broken};
-use crate::bsdf::{Bsdf, DeltaMatrices, FacetValue, Ledger, Matrices, Scattering};
+use crate::bsdf::{Bsdf, DeltaMatrices, Derived, FacetValue, Ledger, Matrices, Scattering};
 use crate::dome::{Estimate, FINEST_LEVEL, Facet, count};
 use crate::light::{Incidence, Wavelengths};
 
@@ -81,6 +82,7 @@ impl Reader {
                 absorbed_by: Vec::new(),
                 deltas: None,
                 facets: Vec::new(),
+                derived: Derived::default(),
             })
             .collect();
         for (term, (name, _)) in Ledger::default().entries().into_iter().enumerate() {
@@ -88,6 +90,7 @@ impl Reader {
                 *s.ledger.entries_mut()[term].1 = row;
             }
         }
+        self.derived(&mut scatterings, wavelengths)?;
         let groups = self.groups()?;
         for rows in
             self.estimates_or_none("absorbed_by", groups.len() * incidences, wavelengths)?.chunks(incidences.max(1))
@@ -110,6 +113,27 @@ impl Reader {
                 .push(facet);
         }
         Ok(Bsdf { wavelength_nm, groups, incidences: scatterings })
+    }
+
+    /// Errors of the whole, ratios and colours; older files have none.
+    fn derived(&self, scatterings: &mut [Scattering], wavelengths: usize) -> Result<(), NetcdfError> {
+        for (i, (name, _)) in PRECISION.into_iter().enumerate().filter(|(_, (name, _))| self.has(name)) {
+            let errors = self.numbers(name, scatterings.len())?;
+            for (s, error) in scatterings.iter_mut().zip(errors) {
+                *precision_mut(&mut s.derived.precision)[i] = error;
+            }
+        }
+        let count = scatterings.len();
+        let [specular, undeflected] = SHARES.map(|(name, _)| self.estimates_or_none(name, count, wavelengths));
+        let [reflected, transmitted] = COLOURS.map(|(name, _)| self.estimates_or_none(name, count, 3));
+        let (specular, undeflected, reflected, transmitted) = (specular?, undeflected?, reflected?, transmitted?);
+        let lab = |rows: &[Vec<Estimate>], i: usize| rows.get(i).map(|row| [row[0], row[1], row[2]]);
+        for (i, s) in scatterings.iter_mut().enumerate() {
+            s.derived.specular_share = specular.get(i).cloned().unwrap_or_default();
+            s.derived.undeflected_share = undeflected.get(i).cloned().unwrap_or_default();
+            (s.derived.reflected_lab, s.derived.transmitted_lab) = (lab(&reflected, i), lab(&transmitted, i));
+        }
+        Ok(())
     }
 
     /// Names of the groups whose absorbed power is told apart.

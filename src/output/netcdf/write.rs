@@ -3,6 +3,7 @@
 use netcdf_writer::{DimensionId, NcAttrValue, NcFileBuilder, NcWriteOptions, VariableId};
 
 use super::super::measured::{Measured, Provenance};
+use super::derived::{COLOURS, PRECISION, SHARES, precision_mut};
 use super::{NetcdfError, SCHEMA};
 use crate::bsdf::{Bsdf, FacetValue, Ledger, Matrices, Scattering};
 use crate::dome::Estimate;
@@ -15,6 +16,7 @@ pub fn to_bytes(measured: &Measured) -> Result<Vec<u8>, NetcdfError> {
     let mut file = Writer::new(&measured.bsdf)?;
     file.describe(&measured.provenance)?;
     file.put_incidences(&measured.bsdf)?;
+    file.put_derived(&measured.bsdf)?;
     file.put_groups(&measured.bsdf)?;
     file.put_facets(&measured.bsdf)?;
     file.put_matrices(&measured.bsdf)?;
@@ -27,6 +29,10 @@ struct Writer {
     wavelength: DimensionId,
     facet: DimensionId,
 }
+
+/// What the errors of a facet mean, and where they mean nothing.
+const RESOLVED_MEANING: &str =
+    "1: the 95 % interval is bsdf +- 2.04 bsdf_se; 0: too few trees have hit the facet to tell";
 
 type Written = Result<(), NetcdfError>;
 
@@ -112,6 +118,32 @@ impl Writer {
         Ok(())
     }
 
+    /// Errors of the whole, ratios and colours.
+    fn put_derived(&mut self, bsdf: &Bsdf) -> Written {
+        let derived = || bsdf.incidences.iter().map(|s| &s.derived);
+        for (i, (name, meaning)) in PRECISION.into_iter().enumerate() {
+            let values: Vec<f64> = derived().map(|d| *precision_mut(&mut { d.precision })[i]).collect();
+            self.put(name, &[self.incidence], &values, ["1", meaning, ""])?;
+        }
+        let [specular, undeflected]: [Vec<&Estimate>; 2] = [
+            derived().flat_map(|d| &d.specular_share).collect(),
+            derived().flat_map(|d| &d.undeflected_share).collect(),
+        ];
+        for ((name, meaning), all) in SHARES.into_iter().zip([specular, undeflected]) {
+            let about = ["1", meaning, "theta_i phi_i"];
+            self.put_estimates(name, &[self.incidence, self.wavelength], all.into_iter(), about)?;
+        }
+        let reflected: Option<Vec<[Estimate; 3]>> = derived().map(|d| d.reflected_lab).collect();
+        let transmitted: Option<Vec<[Estimate; 3]>> = derived().map(|d| d.transmitted_lab).collect();
+        let Some(colours) = reflected.zip(transmitted) else { return Ok(()) };
+        let lab = self.builder.add_dimension("lab", 3)?;
+        for ((name, meaning), all) in COLOURS.into_iter().zip([colours.0, colours.1]) {
+            let about = ["1", meaning, "theta_i phi_i"];
+            self.put_estimates(name, &[self.incidence, lab], all.iter().flatten(), about)?;
+        }
+        Ok(())
+    }
+
     fn put_facets(&mut self, bsdf: &Bsdf) -> Written {
         let facets = || bsdf.incidences.iter().flat_map(|s| &s.facets);
         let owner = bsdf.incidences.iter().enumerate().flat_map(|(i, s)| vec![i as i32; s.facets.len()]);
@@ -132,6 +164,8 @@ impl Writer {
             let values: Vec<f64> = facets().map(f).collect();
             self.put(name, &[self.facet], &values, [unit, meaning, ""])?;
         }
+        let resolved: Vec<i32> = facets().map(|f| i32::from(f.is_resolved())).collect();
+        self.put_integers("facet_resolved", &resolved, RESOLVED_MEANING)?;
         let meaning = "BRDF (theta_o < 90) or BTDF (theta_o > 90), without the specular and undeflected parts";
         let about = ["sr-1", meaning, "theta_o phi_o facet_incidence"];
         self.put_estimates("bsdf", &[self.facet, self.wavelength], facets().flat_map(|f| &f.value), about)

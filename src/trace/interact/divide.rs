@@ -48,7 +48,7 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         let slot = self.slot;
         let Flight { events, branch, .. } = self.stream.flights[slot];
         let limits = &self.kernel.plan.limits;
-        let splits = events < limits.splits;
+        let splits = events < self.kernel.splits;
         let least = if self.is_plane() { SPLIT_ABOVE } else { SPLIT_ABOVE.max(limits.least_share) };
         let mut beams = [None; 2];
         let mut lot = None;

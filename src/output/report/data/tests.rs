@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use super::*;
-use crate::bsdf::{FacetValue, Ledger};
+use crate::bsdf::{Derived, FacetValue, Ledger};
 use crate::dome::Facet;
 
 /// A dome of level 1 with one of its facets divided. Facets below the horizon were not hit; the second and the third
@@ -37,6 +37,7 @@ fn result() -> Bsdf {
         ledger,
         deltas: None,
         facets,
+        derived: Derived::default(),
     };
     Bsdf { wavelength_nm: vec![400.0, 550.0, 700.0], groups: vec!["</script><b>".into()], incidences: vec![scattering] }
 }

@@ -1,0 +1,106 @@
+//! At how many interfaces of a tree both beams are followed: what gives the least error for the same work, found by a pilot.
+//!
+//! Following both takes more work and leaves less to chance. Which counts for more depends on the sample: behind the first
+//! interface of a glass sphere the faint reflections carry most of the noise; in a thick packing nothing is gained.
+
+use std::time::Instant;
+
+use super::gather::Gather;
+use super::{BATCHES, Bench, Settings};
+use crate::dome::{Measurement, Noise, RESOLUTION};
+use crate::plan::{Limits, Plan};
+use crate::trace::with_kernel;
+
+/// What is tried, the least work first.
+const CANDIDATES: [u32; 6] = [0, 1, 2, 3, 4, 6];
+/// The work grows with the number: where the error per work is so many times that of the best so far, nothing better follows.
+const HOPELESS: f64 = 3.0;
+/// Trees of the pilot per tree of the measurement, and the least for which one is worth its while.
+const SHARE: u64 = 256;
+const FEWEST: u64 = 64;
+/// A pilot's scrambles begin where neither a measurement nor another pilot gets.
+const FIRST_SCRAMBLE: u32 = 1 << 17;
+
+/// The plan with the best number of splits, if nobody has chosen one.
+pub fn choose(bench: &Bench<'_>, mut plan: Plan) -> Plan {
+    let trees = (bench.settings.trees / SHARE).min(32 * FEWEST).next_multiple_of(u64::from(BATCHES));
+    if plan.limits.splits.is_some() || trees < FEWEST {
+        return plan;
+    }
+    let settings = Settings {
+        trees,
+        goal: None,
+        dome_level: bench.settings.dome_level.min(RESOLUTION),
+        arm: None,
+        ..bench.settings.clone()
+    };
+    let pilot = Bench { settings: &settings, ..bench.clone() };
+    let mut trials: Vec<Trial> = Vec::new();
+    for splits in CANDIDATES {
+        plan.limits = Limits { splits: Some(splits), ..plan.limits };
+        trials.push(Trial::new(&pilot, &plan, splits));
+        let scores = scores(&trials);
+        let least = scores.iter().copied().fold(f64::INFINITY, f64::min);
+        if scores[scores.len() - 1] > HOPELESS * least {
+            break;
+        }
+    }
+    let best = trials.iter().zip(scores(&trials)).min_by(|a, b| a.1.total_cmp(&b.1));
+    plan.limits.splits = best.filter(|(_, score)| *score > 0.0).map(|(trial, _)| trial.splits);
+    plan
+}
+
+/// What a number of splits gave.
+struct Trial {
+    splits: u32,
+    segments: f64,
+    /// Of all incidences.
+    noises: Vec<[Noise; 4]>,
+}
+
+impl Trial {
+    fn new(bench: &Bench<'_>, plan: &Plan, splits: u32) -> Self {
+        let kernel = bench.kernel(plan);
+        let gather = Gather::new(bench, &kernel, Instant::now(), |_| {}).from_scramble(FIRST_SCRAMBLE);
+        let measurements = with_kernel(plan.kernel, gather).measurements;
+        let segments = measurements.iter().map(|m| m.segments() as f64).sum();
+        Self { splits, segments, noises: measurements.iter().map(Measurement::noises).collect() }
+    }
+}
+
+/// Square of the error times the work, of each trial: of what has the greatest relative error, mean of all incidences. What
+/// the signal is, all trials tell together.
+fn scores(trials: &[Trial]) -> Vec<f64> {
+    let incidences = trials.first().map_or(0, |t| t.noises.len());
+    let mut scores = vec![0.0; trials.len()];
+    for i in 0..incidences {
+        let relative = |k: usize| {
+            let sum = |of: fn(&Noise) -> f64| trials.iter().map(|t| of(&t.noises[i][k])).sum::<f64>();
+            let (signal, noise) = (sum(|n| n.signal), sum(|n| n.noise));
+            let signal = signal.max(1e-3 * noise);
+            let judged = trials.iter().all(|t| t.noises[i][k].judged) && signal > 0.0;
+            trials.iter().map(|t| if judged { t.noises[i][k].noise / signal } else { 0.0 }).collect::<Vec<f64>>()
+        };
+        let all = [0, 1, 2, 3].map(relative);
+        for (at, (score, trial)) in scores.iter_mut().zip(trials).enumerate() {
+            *score += trial.segments * all.iter().map(|r| r[at]).fold(0.0, f64::max);
+        }
+    }
+    scores
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trial(splits: u32, segments: f64, noise: f64) -> Trial {
+        let of = |noise| Noise { signal: 1.0, noise, judged: true };
+        Trial { splits, segments, noises: vec![[of(noise), of(0.1 * noise), of(0.0), of(0.0)]] }
+    }
+
+    #[test]
+    fn the_score_is_the_work_for_an_error() {
+        let scores = scores(&[trial(0, 100.0, 0.4), trial(1, 200.0, 0.1), trial(2, 400.0, 0.1)]);
+        assert!(scores[1] < 0.51 * scores[0] && scores[1] < 0.51 * scores[2], "{scores:?}");
+    }
+}
