@@ -8,7 +8,7 @@ mod reciprocity;
 mod sampling;
 mod scan;
 
-use crate::dome::{BATCHES, Entry, Estimate, Facet, Leaf, Measurement, RESOLVED, Rule, critical};
+use crate::dome::{BATCHES, Entry, Estimate, Facet, Leaf, Measurement, RESOLUTION, RESOLVED, Rule, critical};
 use crate::light::{Incidence, Light};
 use crate::plan::Plan;
 
@@ -238,6 +238,14 @@ impl Bsdf {
                 .map(|((&i, s), m)| Scattering::new((i, s.clone()), m, light.wavelengths.nm(), plan, rule))
                 .collect(),
         }
+    }
+
+    /// The BSDF of each incidence in all facets of [`RESOLUTION`] (or of the finest level, if that is coarser), as measured: none
+    /// are put together.
+    pub fn grids(measurements: &[Measurement], plan: &Plan) -> Vec<Vec<FacetValue>> {
+        let level = |m: &Measurement| m.finest().min(RESOLUTION);
+        let grid = |m: &Measurement| m.grid(level(m)).iter().map(|leaf| FacetValue::new(leaf, &plan.lane_of)).collect();
+        measurements.iter().map(grid).collect()
     }
 
     /// The largest share of the power lost at any incidence and wavelength.

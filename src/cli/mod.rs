@@ -1,5 +1,6 @@
 //! The command line: what the user typed becomes a measurement, and the outcome an exit code.
 
+mod accuracy;
 mod compare;
 mod explain;
 mod export;
@@ -33,7 +34,7 @@ use gonio_embree::plot;
     arg_required_else_help = true,
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
-    after_help = "Exit codes: 0 done; 1 ran, but energy was lost or results differ; 2 bad input or usage; 3 cannot run."
+    after_help = "Exit codes: 0 done; 1 ran, but energy was lost, results differ or an error was not reached; 2 bad input or usage; 3 cannot run."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -51,6 +52,8 @@ enum Command {
     Film(film::Options),
     /// Which effects a measurement will simulate, why, and what each costs
     Explain(explain::Options),
+    /// What accuracy costs in time: each setting against the truth
+    Accuracy(accuracy::Options),
     /// What a detector reads that goes through the plane of incidence, from a result or from the sample itself
     Scan(scan::Options),
     /// Whether two results differ by more than chance
@@ -112,6 +115,7 @@ pub fn run() -> ExitCode {
         Some(Command::Generate(kind)) => generate::run(kind),
         Some(Command::Film(options)) => film::run(options),
         Some(Command::Explain(options)) => explain::run(options),
+        Some(Command::Accuracy(options)) => accuracy::run(options),
         Some(Command::Scan(options)) => scan::run(options),
         Some(Command::Compare(options)) => compare::run(options),
         Some(Command::Plot(options)) => picture::run(options),

@@ -4,6 +4,7 @@ use std::io::{self, IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};
 
 use gonio_embree::experiment::Progress;
+use gonio_embree::experiment::accuracy::Climbed;
 use gonio_embree::units::significant;
 
 /// Shows progress on standard error: on a terminal in one line that changes, else in a line now and then.
@@ -21,14 +22,24 @@ impl Line {
 
     /// Shows how far the work is, unless that was done a moment ago.
     pub fn show(&mut self, progress: &Progress, incidences: usize) {
+        self.put(|| text(progress, incidences));
+    }
+
+    fn put(&mut self, text: impl FnOnce() -> String) {
         let pause = Duration::from_millis(if self.terminal { 100 } else { 5000 });
         if self.quiet || self.shown.elapsed() < pause {
             return;
         }
         self.shown = Instant::now();
-        let text = text(progress, incidences);
+        let text = text();
         let mut err = io::stderr();
         let _ = if self.terminal { write!(err, "\r\x1b[K{text}") } else { writeln!(err, "{text}") };
+    }
+
+    /// The same of a ladder.
+    pub fn tell(&mut self, at: &Climbed) {
+        let left = at.seconds / at.done as f64 * (at.total - at.done) as f64;
+        self.put(|| format!("measurement {} of {}, {} left", at.done, at.total, duration(left)));
     }
 
     /// Leaves no trace on a terminal.

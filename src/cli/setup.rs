@@ -24,7 +24,7 @@ const AZIMUTH: &str = "0";
 const WAVELENGTHS: &str = "400:700:20";
 
 /// The sample, its light, and how the work is done.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(group(ArgGroup::new("input").args(["mesh", "sample"])))]
 pub struct Setup {
     /// A mesh: every part with a material is a body
@@ -147,8 +147,16 @@ impl Setup {
         Ok(Scene { light, sample, files: description.files })
     }
 
+    /// The same of another sample, a mesh if it is called after one.
+    pub fn of(&self, path: &Path) -> Self {
+        let path = Some(path.to_path_buf());
+        let is_mesh = path.as_ref().is_some_and(|p| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")));
+        let (mesh, sample) = if is_mesh { (path, None) } else { (None, path) };
+        Self { mesh, sample, ..self.clone() }
+    }
+
     /// What shines on the sample.
-    fn light(&self) -> Result<Light, Failure> {
+    pub fn light(&self) -> Result<Light, Failure> {
         let mut incidences = Vec::new();
         for phi_deg in values(&self.azimuth, AZIMUTH)?.all {
             for &theta_deg in &values(&self.incident, INCIDENT)?.all {
@@ -173,7 +181,7 @@ impl Setup {
     }
 
     /// What lies under the instrument.
-    fn description(&self) -> Result<Description, Failure> {
+    pub fn description(&self) -> Result<Description, Failure> {
         let wrong = |e: &dyn std::fmt::Display| Failure::Input(e.to_string());
         match (&self.mesh, &self.sample) {
             (Some(path), _) => {

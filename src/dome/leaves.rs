@@ -14,11 +14,14 @@ pub struct Rule {
     pub false_alarm: f64,
     /// A facet hit by fewer trees is never divided.
     pub fewest_trees: u64,
+    /// Without such proof, parts are told apart where the square of what one facet would hide is more than their noise by this
+    /// factor, less one: 2 gives the least error on average (Mallows 1973), and more the fewer facets.
+    pub penalty: f64,
 }
 
 impl Default for Rule {
     fn default() -> Self {
-        Self { false_alarm: 1e-3, fewest_trees: 4 * RESOLVED }
+        Self { false_alarm: 1e-3, fewest_trees: 4 * RESOLVED, penalty: 4.0 }
     }
 }
 
@@ -35,6 +38,16 @@ pub struct Leaf {
     pub mueller: Vec<[Estimate; 16]>,
 }
 
+/// What is known of a facet, whole or divided.
+struct Refined {
+    /// Whether some parts certainly differ.
+    firm: bool,
+    /// Estimated square of the error, up to what does not depend on how it is divided: of the better of both, whole or divided.
+    risk: f64,
+    /// What the facet would hide if it were whole.
+    hidden: f64,
+}
+
 impl Measurement {
     /// The facets of the adaptive dome: they cover the sphere once, from level 1 on (so that none sees both
     /// sides), ascending along the dome.
@@ -47,23 +60,54 @@ impl Measurement {
         leaves
     }
 
-    /// Adds `facet`, or its parts, to `leaves`; says whether it was added whole.
-    fn refine(&self, facet: Facet, rule: &Rule, z: f64, leaves: &mut Vec<Leaf>) -> bool {
+    /// Adds `facet`, or its parts, to `leaves`.
+    fn refine(&self, facet: Facet, rule: &Rule, z: f64, leaves: &mut Vec<Leaf>) -> Refined {
         let first = leaves.len();
-        let divisible = facet.level < self.finest() && self.facet_trees(facet) >= rule.fewest_trees;
-        if divisible {
-            let whole = facet.children().map(|c| self.refine(c, rule, z, leaves));
-            if whole.contains(&false) || self.parts_differ(facet, z) {
-                return false;
+        let mut refined = Refined { firm: false, risk: rule.penalty * self.noise(facet), hidden: 0.0 };
+        if facet.level < self.finest() && self.facet_trees(facet) >= rule.fewest_trees {
+            let parts = facet.children().map(|c| self.refine(c, rule, z, leaves));
+            let firm = parts.iter().any(|p| p.firm) || self.parts_differ(facet, z);
+            let divided: f64 = parts.iter().map(|p| p.risk).sum();
+            refined.hidden = self.hidden(facet) + parts.iter().map(|p| p.hidden).sum::<f64>();
+            refined.risk += refined.hidden;
+            if firm || divided < refined.risk {
+                return Refined { firm, risk: divided, ..refined };
             }
         }
         leaves.truncate(first);
+        leaves.push(self.leaf(facet));
+        refined
+    }
+
+    /// All facets of a level as they were measured, none put together.
+    pub fn grid(&self, level: u8) -> Vec<Leaf> {
+        Facet::all(level).map(|facet| self.leaf(facet)).collect()
+    }
+
+    fn leaf(&self, facet: Facet) -> Leaf {
         let power = (0..self.shape().lanes).map(|lane| self.facet(facet, lane)).collect();
         let matrix = |lane| std::array::from_fn(|i| self.component(facet, lane, i));
         let with_matrices = if self.shape().components > 1 { self.shape().lanes } else { 0 };
         let mueller = (0..with_matrices).map(matrix).collect();
-        leaves.push(Leaf { facet, trees: self.facet_trees(facet), power, mueller });
-        true
+        Leaf { facet, trees: self.facet_trees(facet), power, mueller }
+    }
+
+    /// Square of the standard error of the radiance of a facet, all lanes together, integrated over its solid angle.
+    fn noise(&self, facet: Facet) -> f64 {
+        let (solid, projected) = (facet.solid_angle(), facet.projected_solid_angle());
+        let square: f64 = (0..self.shape().lanes).map(|lane| self.facet(facet, lane).se.powi(2)).sum();
+        square * solid / (projected * projected)
+    }
+
+    /// Square of the difference of the radiance of the parts of a facet from its own, all lanes together, integrated over
+    /// their solid angles.
+    fn hidden(&self, facet: Facet) -> f64 {
+        let radiance = |f: Facet, lane| self.facet(f, lane).value / f.projected_solid_angle();
+        let of_part = |part: Facet| {
+            let lanes = (0..self.shape().lanes).map(|lane| radiance(part, lane) - radiance(facet, lane));
+            part.solid_angle() * lanes.map(|d| d * d).sum::<f64>()
+        };
+        facet.children().map(of_part).iter().sum()
     }
 
     /// Whether the radiance of some part differs from the mean of all four by more than `z` standard errors.

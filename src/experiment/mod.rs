@@ -1,5 +1,6 @@
 //! The order of work: plan, try what the plan leaves open, trace, evaluate.
 
+pub mod accuracy;
 mod apart;
 mod course;
 mod explain;
@@ -12,7 +13,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::bsdf::{Arm, Bsdf, Scan};
+use crate::bsdf::{Arm, Bsdf, FacetValue, Scan};
 use crate::dome::Rule;
 use crate::intersect::Scene;
 use crate::intersect::choose::{Backend, BackendError};
@@ -69,6 +70,8 @@ impl Default for Settings {
 pub struct Outcome {
     /// The result.
     pub bsdf: Bsdf,
+    /// The same in facets of 8°, as measured ([`Bsdf::grids`]).
+    pub grids: Vec<Vec<FacetValue>>,
     /// What the detector on its arm has read, per incidence, if there was one.
     pub scans: Vec<Scan>,
     /// The plan it was made by.
@@ -176,8 +179,9 @@ pub fn measure(
     let straight: Vec<Vec<f64>> = light.incidences.iter().map(straight).collect();
     let bsdf = Bsdf::new(light, &gathered.measurements, &straight, &plan, &sample.groups.names, &Rule::default());
     let scans = settings.arm.iter().flat_map(|arm| bsdf.scans(arm, &gathered.measurements, &plan)).collect();
+    let grids = Bsdf::grids(&gathered.measurements, &plan);
     let (stacks, ending) = (gathered.stacks, gathered.ending);
-    Ok(Outcome { bsdf, scans, plan, stacks, ending, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
+    Ok(Outcome { bsdf, grids, scans, plan, stacks, ending, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
 }
 
 #[cfg(test)]

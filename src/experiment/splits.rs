@@ -12,18 +12,21 @@ use crate::plan::{Limits, Plan};
 use crate::trace::with_kernel;
 
 /// What is tried, the least work first.
-const CANDIDATES: [u32; 6] = [0, 1, 2, 3, 4, 6];
-/// The work grows with the number: where the error per work is so many times that of the best so far, nothing better follows.
-const HOPELESS: f64 = 3.0;
-/// Trees of the pilot per tree of the measurement, and the least for which one is worth its while.
-const SHARE: u64 = 256;
+const CANDIDATES: [u32; 6] = [1, 2, 3, 4, 6, 8];
+/// Of scores that differ by less the higher number counts: rare paths make the noise of few splits look smaller than it is.
+const EQUAL: f64 = 1.25;
+/// Where a tree takes so many times the work of the first trial and is not the best, nothing better follows.
+const HEAVY: f64 = 3.0;
+/// Trees of the measurement per tree of a pilot, and the fewest and the most of a pilot that is worth its while.
+const SHARE: u64 = 96;
 const FEWEST: u64 = 64;
+const MOST: u64 = 4096;
 /// A pilot's scrambles begin where neither a measurement nor another pilot gets.
 const FIRST_SCRAMBLE: u32 = 1 << 17;
 
 /// The plan with the best number of splits, if nobody has chosen one.
 pub fn choose(bench: &Bench<'_>, mut plan: Plan) -> Plan {
-    let trees = (bench.settings.trees / SHARE).min(32 * FEWEST).next_multiple_of(u64::from(BATCHES));
+    let trees = (bench.settings.trees / SHARE).min(MOST).next_multiple_of(u64::from(BATCHES));
     if plan.limits.splits.is_some() || trees < FEWEST {
         return plan;
     }
@@ -41,12 +44,15 @@ pub fn choose(bench: &Bench<'_>, mut plan: Plan) -> Plan {
         trials.push(Trial::new(&pilot, &plan, splits));
         let scores = scores(&trials);
         let least = scores.iter().copied().fold(f64::INFINITY, f64::min);
-        if scores[scores.len() - 1] > HOPELESS * least {
+        let last = trials.len() - 1;
+        if scores[last] > EQUAL * least && trials[last].segments > HEAVY * trials[0].segments {
             break;
         }
     }
-    let best = trials.iter().zip(scores(&trials)).min_by(|a, b| a.1.total_cmp(&b.1));
-    plan.limits.splits = best.filter(|(_, score)| *score > 0.0).map(|(trial, _)| trial.splits);
+    let scores = scores(&trials);
+    let least = scores.iter().copied().fold(f64::INFINITY, f64::min);
+    let equal = trials.iter().zip(scores).filter(|(_, score)| *score > 0.0 && *score <= EQUAL * least);
+    plan.limits.splits = equal.last().map(|(trial, _)| trial.splits);
     plan
 }
 

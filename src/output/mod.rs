@@ -1,6 +1,7 @@
 //! Bytes for people and programs, one file per format. To add a format: a file with a pure function from
 //! [`Measured`] to bytes or text; [`atomic`] puts them on the disk.
 
+pub mod accuracy;
 pub mod atomic;
 pub mod compare;
 pub mod export;

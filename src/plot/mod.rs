@@ -1,5 +1,6 @@
 //! Pictures of results, as SVG.
 
+mod accuracy;
 mod colours;
 mod film;
 mod hemisphere;
@@ -9,6 +10,7 @@ mod png;
 mod scan;
 mod spectra;
 
+pub use accuracy::accuracy;
 pub use colours::colours;
 pub use film::film;
 pub use material::{IndexCurve, material};

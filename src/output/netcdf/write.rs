@@ -129,7 +129,9 @@ impl Writer {
             derived().flat_map(|d| &d.specular_share).collect(),
             derived().flat_map(|d| &d.undeflected_share).collect(),
         ];
-        for ((name, meaning), all) in SHARES.into_iter().zip([specular, undeflected]) {
+        // Results of formulas have none.
+        let told = specular.len() == bsdf.incidences.len() * bsdf.wavelength_nm.len();
+        for ((name, meaning), all) in SHARES.into_iter().zip([specular, undeflected]).filter(|_| told) {
             let about = ["1", meaning, "theta_i phi_i"];
             self.put_estimates(name, &[self.incidence, self.wavelength], all.into_iter(), about)?;
         }
