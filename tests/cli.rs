@@ -1,9 +1,11 @@
 //! The program as people use it at the terminal.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+mod desk;
 
+use std::fs;
+use std::path::Path;
+
+use desk::{Desk, code, errors};
 use gonio_embree::output::netcdf;
 use gonio_embree::sample::Description;
 use gonio_embree::sample::description::Sides;
@@ -13,50 +15,6 @@ use gonio_embree::units::LengthUnit;
 use serde_json::Value;
 
 const FEATHER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/feather.obj");
-
-/// A directory of its own for a test.
-struct Desk(PathBuf);
-
-impl Desk {
-    fn new(name: &str) -> Self {
-        let dir = std::env::temp_dir().join(format!("gonio-cli-{name}-{}", std::process::id()));
-        fs::create_dir_all(&dir).unwrap();
-        Self(dir)
-    }
-
-    fn run(&self, args: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_gonio-embree")).args(args).current_dir(&self.0).output().unwrap()
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.0.join(name), text).unwrap();
-    }
-
-    fn read(&self, name: &str) -> Vec<u8> {
-        fs::read(self.0.join(name)).unwrap()
-    }
-
-    fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> =
-            fs::read_dir(&self.0).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into()).collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Desk {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn code(output: &Output) -> Option<i32> {
-    output.status.code()
-}
-
-fn errors(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into()
-}
 
 #[test]
 fn the_asset_is_what_the_generator_writes() {

@@ -15,6 +15,9 @@ const HOME: &str = env!("CARGO_MANIFEST_DIR");
 /// Trees that are traced in place of those in the documents, but in the slow tier: what is tested is that commands work.
 const FEW: &str = "2000";
 
+/// An error in place of those in the documents.
+const ROUGH: &str = "50%";
+
 /// A fenced block: its mark, and its text.
 struct Block {
     mark: String,
@@ -42,7 +45,10 @@ fn commands(text: &str) -> Vec<String> {
 /// The same command with few trees.
 fn hurried(command: &str) -> String {
     let mut words: Vec<&str> = command.split_whitespace().collect();
-    if let Some(at) = words.iter().position(|word| *word == "--trees") {
+    words.iter_mut().filter(|word| **word == "--quick").for_each(|word| *word = "--seeds=2");
+    if let Some(at) = words.iter().position(|word| *word == "--target-error") {
+        words[at + 1] = ROUGH;
+    } else if let Some(at) = words.iter().position(|word| *word == "--trees") {
         words[at + 1] = FEW;
     } else if words.contains(&"--mesh") || words.contains(&"--sample") {
         words.extend(["--trees", FEW]);
@@ -155,7 +161,7 @@ fn the_commands_of_the_readme_work() {
 
 #[test]
 fn links_of_the_documents_lead_to_files() {
-    for name in ["README.md", "docs/guide.md", "docs/conventions.md"] {
+    for name in ["README.md", "docs/guide.md", "docs/conventions.md", "docs/accuracy.md"] {
         let text = read(name);
         let folder = Path::new(HOME).join(name).parent().unwrap().to_owned();
         for target in links(&text) {

@@ -81,6 +81,8 @@ pub struct Ending {
     pub rounds: f64,
     /// What the first round has forecast.
     pub forecast: Forecast,
+    /// Time the first round has taken, s.
+    pub first_seconds: f64,
 }
 
 /// What is still to come, for all incidences.
@@ -121,7 +123,8 @@ pub struct Course {
     standings: Vec<Standing>,
     rounds: f64,
     out_of_time: bool,
-    forecast: Option<Forecast>,
+    /// After the first round, and the time it has taken, s.
+    forecast: Option<(Forecast, f64)>,
 }
 
 impl Course {
@@ -161,7 +164,7 @@ impl Course {
             *standing = Standing { trees: m.trees(), segments: m.segments(), error, passes };
         }
         let forecast = self.forecast_from(tracing);
-        self.forecast.get_or_insert(forecast);
+        self.forecast.get_or_insert((forecast, tracing));
     }
 
     /// The greatest error of all incidences, once there is one.
@@ -178,8 +181,14 @@ impl Course {
     pub fn ending(&self) -> Option<Ending> {
         let goal = self.goal?;
         let reached = goal.target.is_some() && self.standings.iter().all(|s| s.passes >= 2);
-        let forecast = self.forecast.unwrap_or_default();
-        Some(Ending { reached, out_of_time: self.out_of_time && !reached, rounds: self.rounds, forecast })
+        let (forecast, first_seconds) = self.forecast.unwrap_or_default();
+        Some(Ending {
+            reached,
+            out_of_time: self.out_of_time && !reached,
+            rounds: self.rounds,
+            forecast,
+            first_seconds,
+        })
     }
 
     fn target(&self) -> f64 {

@@ -19,7 +19,7 @@ const EQUAL: f64 = 1.25;
 const HEAVY: f64 = 3.0;
 /// Trees of the measurement per tree of a pilot, and the fewest and the most of a pilot that is worth its while.
 const SHARE: u64 = 96;
-const FEWEST: u64 = 64;
+const FEWEST: u64 = 512;
 const MOST: u64 = 4096;
 /// A pilot's scrambles begin where neither a measurement nor another pilot gets.
 const FIRST_SCRAMBLE: u32 = 1 << 17;

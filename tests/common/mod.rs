@@ -8,6 +8,7 @@ use rand::rngs::Xoshiro256PlusPlus;
 
 pub mod build;
 pub mod cones;
+pub mod errors;
 pub mod listen;
 pub mod matrices;
 pub mod reference;

@@ -1,5 +1,6 @@
 //! Results on a grid of their own, so that those of different settings can be compared.
 
+use super::super::Outcome;
 use crate::bsdf::{Bsdf, FacetValue};
 use crate::dome::{Estimate, FAINT, Facet, RESOLUTION, count};
 
@@ -41,6 +42,12 @@ impl Values {
             values.push(3, &s.ledger.transmitted, &places, 1.0);
         }
         values
+    }
+
+    /// Of what was measured, before any facets were put together: so nothing but chance differs from what the settings make of
+    /// it.
+    pub fn measured(outcome: &Outcome, wavelength_nm: &[f64]) -> Self {
+        Self::new(&outcome.bsdf, outcome.grids.iter().map(|grid| &grid[..]), wavelength_nm)
     }
 
     /// What is known exactly: reflectance and transmittance of a sample that scatters nothing, in the order of [`Self::new`].

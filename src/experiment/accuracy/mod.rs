@@ -7,14 +7,13 @@ mod truth;
 
 use std::fmt;
 
-use super::{Bench, Error, Outcome, Settings, measure};
+use super::{Bench, Error, Settings, measure};
 use crate::light::Light;
 use crate::plan::Plan;
 use crate::sample::problem::Problems;
 use crate::sample::{Description, Sample};
 
-pub use grid::Distance;
-use grid::Values;
+pub use grid::{Distance, Values};
 pub use meter::{Cost, metered};
 pub use rungs::{BASE, TREES};
 use rungs::{Rung, rungs};
@@ -134,6 +133,8 @@ impl fmt::Display for LadderError {
     }
 }
 
+impl std::error::Error for LadderError {}
+
 /// How far a ladder is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Climbed {
@@ -215,7 +216,7 @@ fn reference(
     let settings = Settings { trees, seed: settings.seed ^ REFERENCE_SEED, ..settings.clone() };
     let outcome = measure(&sample(description, light)?, light, &settings, |_| {}).map_err(LadderError::Measure)?;
     let error = outcome.bsdf.incidences.iter().map(|s| s.derived.precision.whole).fold(0.0, f64::max);
-    Ok((measured(&outcome, light.wavelengths.nm()), Reference::Longer(trees, error)))
+    Ok((Values::measured(&outcome, light.wavelengths.nm()), Reference::Longer(trees, error)))
 }
 
 /// Measures by one setting, once for each seed.
@@ -238,7 +239,7 @@ fn point(
         let outcome = outcome?;
         let domes = outcome.bsdf.incidences.iter().map(|s| &s.facets[..]);
         squares.push(Values::new(&outcome.bsdf, domes, nm).squares(truth));
-        let raw = measured(&outcome, nm);
+        let raw = Values::measured(&outcome, nm);
         raw_squares.push(raw.squares(truth));
         sum.add(&raw);
         lost = lost.max(outcome.bsdf.largest_loss());
@@ -262,11 +263,6 @@ fn point(
         cost: cost.unwrap_or_default(),
         trees: rung.settings.trees,
     })
-}
-
-/// What was measured, before any facets were put together: so nothing but chance differs from what the settings make of it.
-fn measured(outcome: &Outcome, wavelength_nm: &[f64]) -> Values {
-    Values::new(&outcome.bsdf, outcome.grids.iter().map(|grid| &grid[..]), wavelength_nm)
 }
 
 /// What of the error all seeds share: the distance of their mean from the truth, without the noise that is left in it.

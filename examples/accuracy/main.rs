@@ -1,0 +1,74 @@
+//! What accuracy costs, and what errors are worth: measures the figures of `docs/accuracy.md`, and writes it.
+//!
+//! ```text
+//! cargo run --release --example accuracy -- [coverage] [targets] [ladders]
+//! ```
+//!
+//! Each part (all of them, if none is named) leaves its numbers as CSV files in `docs/accuracy`; the page is made from what
+//! is there. All together take an hour on two cores.
+#![allow(missing_docs, clippy::print_stdout, clippy::print_stderr)]
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+mod ladders;
+mod page;
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use common::errors::{coverage, specimens, targets};
+
+/// Seeds of the coverage, and of the targets.
+const SEEDS: [u64; 2] = [1000, 100];
+/// The error that is asked for.
+const TARGET: f64 = 0.01;
+
+type Failed = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Failed> {
+    let parts: Vec<String> = std::env::args().skip(1).collect();
+    let wanted = |part: &str| parts.is_empty() || parts.iter().any(|p| p == part);
+    if let Some(unknown) = parts.iter().find(|p| !["coverage", "targets", "ladders", "page"].contains(&&p[..])) {
+        return Err(format!("{unknown}: expected coverage, targets, ladders or page").into());
+    }
+    let out = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy");
+    fs::create_dir_all(&out)?;
+    if wanted("coverage") {
+        fs::write(out.join("coverage.csv"), coverages())?;
+    }
+    if wanted("targets") {
+        fs::write(out.join("targets.csv"), all_targets())?;
+    }
+    if wanted("ladders") {
+        ladders::draw(&out)?;
+    }
+    fs::write(out.with_extension("md"), page::page(&out)?)?;
+    Ok(())
+}
+
+fn coverages() -> String {
+    let mut csv = String::from("sample,what,intervals,held\n");
+    for specimen in specimens() {
+        eprintln!("coverage of the {}", specimen.name);
+        for (kind, held) in coverage(&specimen, &specimen.reference(1.0), SEEDS[0]) {
+            let _ = writeln!(csv, "{},{kind},{},{}", specimen.name, held.all, held.held);
+        }
+    }
+    csv
+}
+
+fn all_targets() -> String {
+    let mut csv = String::from("sample,seeds,met,trees,oracle,forecast_trees,forecast_worst,forecast_seconds\n");
+    for specimen in specimens() {
+        eprintln!("targets of the {}", specimen.name);
+        let r = targets(&specimen, &specimen.reference(1.0), TARGET, SEEDS[1]);
+        let _ = writeln!(
+            csv,
+            "{},{},{},{:.0},{:.0},{:.3},{:.3},{:.3}",
+            specimen.name, r.seeds, r.met, r.trees, r.oracle, r.forecast_trees, r.forecast_worst, r.forecast_seconds
+        );
+        println!("{csv}");
+    }
+    csv
+}
