@@ -30,7 +30,8 @@ measurements do not exceed it:
 - of all reflected and of all transmitted light, all wavelengths together;
 - of the worst facet of 8° by itself that has at least a hundredth of the brightest.
 
-Light that is less than 1 % of what comes in on one side counts as 1 %, and how it is spread does not count.
+All light on one side that is less than 1 % of what comes in counts as 1 %; what is spread over the dome on that side (without
+the mirror direction and the straight one) does not count if it is less.
 
 `--target-error 1%` traces until the first four are below 1 %, `--target-error facet:5%` until the worst facet is below 5 %.
 The work doubles from round to round, goes to the incidences that need it most, near the target is only as much as it takes, and
@@ -43,9 +44,10 @@ pub fn page(out: &Path) -> Result<String, Failed> {
     let mut page = String::from(HEAD);
     if let Some(rows) = rows(out, "coverage.csv") {
         page += "\n## How often intervals hold the truth\n\n";
-        page += "Shares of the 95 % intervals of 1000 seeds that hold the true value: that of a measurement some thousand \
-                 times as long. Ledger: R, T and their delta parts, of three wavelengths. Scan: a detector 10° wide in ten \
-                 places. Facets: those of 16° that at least 100 trees have hit.\n\n";
+        page += "Shares of the 95 % intervals of 1000 seeds that hold the true value: that of a measurement hundreds of times \
+                 as long. Ledger: R, T and their delta parts, if at least 100 trees' worth; ratio: the specular part of R; \
+                 colour: L*, a* and b*; scan: a detector 10° wide in ten places; facets of 16°; of both what at least 100 trees \
+                 have hit. What does not vary has no interval.\n\n";
         page += "| sample | what | intervals | held |\n|---|---|--:|--:|\n";
         for r in rows {
             let share = 100.0 * r[3].parse::<f64>()? / r[2].parse::<f64>()?;
@@ -57,7 +59,7 @@ pub fn page(out: &Path) -> Result<String, Failed> {
             page,
             "\n## Whether a target is reached\n\nMeasurements with `--target-error {}%` (facets of 16°), 100 seeds each, compared \
              with a measurement many times as long. *Met*: how many are as good as they say. *Oracle*: the trees with which \
-             95 of 100 are, for somebody who knows the truth. *Forecast*: what was told after the first round, over what it took: \
+             95 of 100 are, for somebody who knows the truth. *Forecast*: what was told after 131,072 trees or a quarter of the work, over what it took: \
              the mean, and how far from 1 the trees are that 90 of 100 do not exceed.\n\n",
             100.0 * TARGET
         );

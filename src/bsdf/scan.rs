@@ -38,6 +38,8 @@ pub struct Reading {
     /// Mean BRDF (below the sample BTDF) over the aperture per wavelength, 1/sr: flux in it over incident flux and projected
     /// solid angle. What leaves in the mirror direction or straight on is in it.
     pub value: Vec<Estimate>,
+    /// Trees that it has seen; of a stored result, those of the facets under the aperture.
+    pub trees: u64,
 }
 
 /// Points at which the facets under an aperture are looked up.
@@ -82,7 +84,7 @@ impl Scan {
         let reading = |(i, &angle_deg): (usize, &f64)| {
             let angle = apertures.projected_solid_angle(apertures.axes()[i]);
             let of_lane = |&lane: &usize| per(measurement.aperture(i, lane), angle);
-            Reading { angle_deg, value: lane_of.iter().map(of_lane).collect() }
+            Reading { angle_deg, value: lane_of.iter().map(of_lane).collect(), trees: measurement.aperture_trees(i) }
         };
         let readings = arm.angles_deg.iter().enumerate().map(reading).collect();
         Self { incidence, wavelength_nm: wavelength_nm.to_vec(), readings }
@@ -125,7 +127,8 @@ impl Bsdf {
         let reading = |(i, &angle_deg): (usize, &f64)| {
             let weights = scattering.weights(&apertures, i, &locator);
             let value = (0..self.wavelength_nm.len()).map(|w| scattering.reading(&apertures, i, &weights, w)).collect();
-            Reading { angle_deg, value }
+            let trees = weights.iter().map(|&(at, _)| scattering.facets[at].trees).sum();
+            Reading { angle_deg, value, trees }
         };
         let readings = arm.angles_deg.iter().enumerate().map(reading).collect();
         Scan { incidence: scattering.incidence, wavelength_nm: self.wavelength_nm.clone(), readings }

@@ -10,7 +10,7 @@ use super::statistics::{Estimate, Measurement};
 pub const RESOLUTION: u8 = 3;
 
 /// All light on one side that is less than this share of the incident power is not judged by its relative error: in the
-/// error of the whole it counts as so much, and how it is spread over the dome does not count.
+/// error of the whole it counts as so much. What is spread over the dome does not count if it is less.
 pub const FAINT: f64 = 0.01;
 
 /// Facets that are darker than this part of the brightest one on their side are not judged by themselves.
@@ -85,9 +85,24 @@ impl Measurement {
     pub fn noises(&self) -> [Noise; 4] {
         let (sides, totals) = self.norms();
         let lanes = self.shape().lanes as f64;
-        let judged = totals.map(|t| (t.square.max(0.0) / lanes).sqrt() >= FAINT);
-        let of = |norm: Norm, judged| Noise { signal: norm.square, noise: norm.error, judged };
-        [of(sides[0], judged[0]), of(sides[1], judged[1]), of(totals[0], judged[0]), of(totals[1], judged[1])]
+        let of = |norm: Norm, light: f64| Noise { signal: norm.square, noise: norm.error, judged: light >= FAINT };
+        let total = |norm: Norm| (norm.square.max(0.0) / lanes).sqrt();
+        let spread = self.spread();
+        [
+            of(sides[0], spread[0]),
+            of(sides[1], spread[1]),
+            of(totals[0], total(totals[0])),
+            of(totals[1], total(totals[1])),
+        ]
+    }
+
+    /// Root of the mean square over all lanes of the light that is spread over the dome, above and below.
+    fn spread(&self) -> [f64; 2] {
+        let lanes = self.shape().lanes;
+        [[Entry::Reflected, Entry::Specular], [Entry::Transmitted, Entry::Undeflected]].map(|[all, straight]| {
+            let of = |lane| self.term(all as usize, lane).value - self.term(straight as usize, lane).value;
+            ((0..lanes).map(of).map(|x| x * x).sum::<f64>() / lanes as f64).sqrt()
+        })
     }
 
     /// Of both sides of the dome, and of all light that goes to them.
@@ -113,15 +128,22 @@ impl Measurement {
         let (lanes, freedom) = (self.shape().lanes as f64, self.batches() as f64 - 1.0);
         let sides = sides.map(|side| side.bound(freedom));
         let all = totals.map(|norm| (norm.bound(freedom), (norm.square.max(0.0) / lanes).sqrt()));
-        let judged = |(side, (total, light)): (f64, (f64, f64))| {
-            if light < FAINT { total * light / FAINT } else { total.max(side) }
+        let judged = |((side, (total, light)), spread): ((f64, (f64, f64)), f64)| {
+            let total = if light < FAINT { total * light / FAINT } else { total };
+            if spread < FAINT { total } else { total.max(side) }
         };
         Precision {
             above: sides[0],
             below: sides[1],
             reflected: all[0].0,
             transmitted: all[1].0,
-            whole: sides.into_iter().zip(all).map(judged).filter(|e| !e.is_nan()).fold(0.0, f64::max),
+            whole: sides
+                .into_iter()
+                .zip(all)
+                .zip(self.spread())
+                .map(judged)
+                .filter(|e| !e.is_nan())
+                .fold(0.0, f64::max),
             facet: self.worst_facet(self.finest().min(RESOLUTION)),
         }
     }

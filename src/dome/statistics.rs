@@ -225,6 +225,14 @@ impl Measurement {
         self.estimate(&self.apertures, aperture, lane, 0)
     }
 
+    /// Trees whose light went through an aperture.
+    pub fn aperture_trees(&self, aperture: usize) -> u64 {
+        match self.apertures.rows[aperture] {
+            ABSENT => 0,
+            row => self.apertures.trees[row as usize],
+        }
+    }
+
     fn estimate(&self, level: &Level<2>, at: usize, lane: usize, component: usize) -> Estimate {
         match level.rows[at] {
             ABSENT => Estimate::default(),

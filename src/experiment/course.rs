@@ -79,10 +79,10 @@ pub struct Ending {
     pub out_of_time: bool,
     /// Rounds traced; of the last one it may be a part.
     pub rounds: f64,
-    /// What the first round has forecast.
+    /// What was forecast as soon as it could be relied on.
     pub forecast: Forecast,
-    /// Time the first round has taken, s.
-    pub first_seconds: f64,
+    /// Time that had been spent on tracing then, s.
+    pub pilot_seconds: f64,
 }
 
 /// What is still to come, for all incidences.
@@ -95,7 +95,11 @@ pub struct Forecast {
 }
 
 /// Trees of each incidence in the first round.
-const FIRST: u64 = 16_384;
+const FIRST: u64 = 4096;
+/// After so many trees per incidence, or this part of what is needed, a forecast can be relied on: before, few rare paths have
+/// been seen, and time goes to what is done only once.
+const PILOT: u64 = 131_072;
+const PILOT_PART: u64 = 4;
 /// What is reached once must be reached again after so many more trees.
 const CONFIRM: f64 = 0.1;
 /// A round aims beyond the target: what an error will be is itself only estimated.
@@ -123,7 +127,7 @@ pub struct Course {
     standings: Vec<Standing>,
     rounds: f64,
     out_of_time: bool,
-    /// After the first round, and the time it has taken, s.
+    /// After the first rounds, and the time they have taken, s.
     forecast: Option<(Forecast, f64)>,
 }
 
@@ -164,7 +168,10 @@ impl Course {
             *standing = Standing { trees: m.trees(), segments: m.segments(), error, passes };
         }
         let forecast = self.forecast_from(tracing);
-        self.forecast.get_or_insert((forecast, tracing));
+        let traced: u64 = self.standings.iter().map(|s| s.trees).sum();
+        if traced >= PILOT * self.standings.len() as u64 || forecast.trees <= PILOT_PART * traced {
+            self.forecast.get_or_insert((forecast, tracing));
+        }
     }
 
     /// The greatest error of all incidences, once there is one.
@@ -181,13 +188,13 @@ impl Course {
     pub fn ending(&self) -> Option<Ending> {
         let goal = self.goal?;
         let reached = goal.target.is_some() && self.standings.iter().all(|s| s.passes >= 2);
-        let (forecast, first_seconds) = self.forecast.unwrap_or_default();
+        let (forecast, pilot_seconds) = self.forecast.unwrap_or_default();
         Some(Ending {
             reached,
             out_of_time: self.out_of_time && !reached,
             rounds: self.rounds,
             forecast,
-            first_seconds,
+            pilot_seconds,
         })
     }
 

@@ -89,7 +89,7 @@ fn glance(out: &mut String, s: &Scattering, weights: Option<&[[f64; 3]]>, chips:
 fn errors(out: &mut String, s: &Scattering) {
     let p = &s.derived.precision;
     let percent = |share: f64| format!("{} %", significant(100.0 * share, 2));
-    let percent = |share: f64| if share.is_finite() { percent(share) } else { "unknown".into() };
+    let percent = |share: f64| if share < 1.0 { percent(share) } else { "over 100 %".into() };
     let parts = [("BRDF", p.above), ("BTDF", p.below), ("reflected", p.reflected), ("transmitted", p.transmitted)];
     let told: Vec<String> =
         parts.iter().filter(|(_, e)| *e > 0.0).map(|(name, e)| format!("{name} {}", percent(*e))).collect();

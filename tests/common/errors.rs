@@ -36,10 +36,10 @@ const REFERENCE_SEED: u64 = 1 << 40;
 
 fn light(theta_deg: f64) -> Light {
     Light {
-        wavelengths: Wavelengths::from_nm(vec![450.0, 550.0, 650.0]).unwrap(),
+        wavelengths: Wavelengths::from_nm((0..8).map(|i| 400.0 + 40.0 * f64::from(i)).collect()).unwrap(),
         incidences: vec![Incidence { theta_deg, phi_deg: 0.0 }],
         polarization: Polarization::Unpolarized,
-        source: SourceMode::Line,
+        source: SourceMode::Band,
     }
 }
 
@@ -84,10 +84,10 @@ pub fn specimens() -> Vec<Specimen> {
     let film = Description::from_toml("assets/samples/morpho.toml".as_ref()).unwrap();
     vec![
         specimen("glass sphere", &sphere(), 30.0, 16_384, 30_000_000),
-        specimen("feather", &feather, 30.0, 16_384, 10_000_000),
-        specimen("Christiansen slab", &christiansen(), 0.0, 8192, 5_000_000),
-        specimen("oriented web", &web(), 45.0, 8192, 10_000_000),
-        specimen("Morpho film", &film, 20.0, 8192, 5_000_000),
+        specimen("feather", &feather, 30.0, 8192, 3_000_000),
+        specimen("Christiansen slab", &christiansen(), 30.0, 8192, 1_000_000),
+        specimen("oriented web", &web(), 45.0, 8192, 6_000_000),
+        specimen("Morpho film", &film, 20.0, 8192, 3_000_000),
     ]
 }
 
@@ -145,13 +145,16 @@ pub fn coverage(specimen: &Specimen, reference: &Outcome, seeds: u64) -> BTreeMa
         let mut add = |name, measured, truth| all.entry(name).or_default().add(measured, truth);
         // Reflected and transmitted light, and what of them is in one direction.
         for (i, (_, entry)) in s.ledger.entries().into_iter().enumerate().filter(|(i, _)| [0, 1, 4, 5].contains(i)) {
-            entry.iter().zip(truth.ledger.entries()[i].1).for_each(|(&a, &b)| add("ledger", a, b));
+            let worth = |e: &Estimate| e.value.min(1.0 - e.value) * s.trees as f64 >= FEWEST_TREES as f64;
+            let known = entry.iter().zip(truth.ledger.entries()[i].1).filter(|(_, truth)| worth(truth));
+            known.for_each(|(&a, &b)| add("ledger", a, b));
         }
         let labs =
             |d: &gonio_embree::bsdf::Derived| [d.reflected_lab, d.transmitted_lab].into_iter().flatten().flatten();
         labs(&s.derived).zip(labs(&truth.derived)).for_each(|(a, b)| add("colour", a, b));
         s.derived.specular_share.iter().zip(&truth.derived.specular_share).for_each(|(&a, &b)| add("ratio", a, b));
-        for (a, b) in outcome.scans[0].readings.iter().zip(&reference.scans[0].readings) {
+        let scans = outcome.scans[0].readings.iter().zip(&reference.scans[0].readings);
+        for (a, b) in scans.filter(|(a, _)| a.trees >= FEWEST_TREES) {
             a.value.iter().zip(&b.value).for_each(|(&a, &b)| add("scan", a, b));
         }
         for (a, b) in outcome.grids[0].iter().zip(&reference.grids[0]).filter(|(a, _)| a.trees >= FEWEST_TREES) {
@@ -197,7 +200,7 @@ pub fn targets(specimen: &Specimen, reference: &Outcome, target: f64, seeds: u64
         deviations.push((forecast - 1.0).abs());
         reached.forecast_trees += forecast / seeds as f64;
         reached.forecast_seconds +=
-            (ending.forecast.seconds + ending.first_seconds) / outcome.tracing_seconds / seeds as f64;
+            (ending.forecast.seconds + ending.pilot_seconds) / outcome.tracing_seconds / seeds as f64;
     }
     let at = |mut all: Vec<f64>, share: f64| {
         all.sort_by(f64::total_cmp);

@@ -25,6 +25,8 @@ pub struct Distance {
 pub struct Values {
     parts: [Vec<f64>; 4],
     variances: [Vec<f64>; 4],
+    /// Squares of what is spread over the dome above and below, sums over incidences and wavelengths.
+    spread: [f64; 2],
 }
 
 impl Values {
@@ -38,8 +40,13 @@ impl Values {
                 let part = usize::from(facet.center().z < 0.0);
                 values.push(part, &spectrum, &places, facet.solid_angle().sqrt());
             }
-            values.push(2, &s.ledger.reflected, &places, 1.0);
-            values.push(3, &s.ledger.transmitted, &places, 1.0);
+            let ledger = &s.ledger;
+            values.push(2, &ledger.reflected, &places, 1.0);
+            values.push(3, &ledger.transmitted, &places, 1.0);
+            let pairs = [(&ledger.reflected, &ledger.specular), (&ledger.transmitted, &ledger.undeflected)];
+            for (sum, (all, straight)) in values.spread.iter_mut().zip(pairs) {
+                *sum += places.iter().map(|&(i, ..)| (all[i].value - straight[i].value).powi(2)).sum::<f64>();
+            }
         }
         values
     }
@@ -54,7 +61,7 @@ impl Values {
     pub fn exact(reflected: Vec<f64>, transmitted: Vec<f64>) -> Self {
         let zeros = |v: &Vec<f64>| vec![0.0; v.len()];
         let variances = [Vec::new(), Vec::new(), zeros(&reflected), zeros(&transmitted)];
-        Self { parts: [Vec::new(), Vec::new(), reflected, transmitted], variances }
+        Self { parts: [Vec::new(), Vec::new(), reflected, transmitted], variances, spread: [0.0; 2] }
     }
 
     fn push(&mut self, part: usize, spectrum: &[Estimate], places: &[(usize, usize, f64)], weight: f64) {
@@ -111,8 +118,10 @@ impl Values {
     pub fn distance(&self, squares: [f64; 4]) -> Distance {
         let [above, below, reflected, transmitted] = squares.map(|s| s.max(0.0).sqrt());
         let judged = |side: f64, total: f64, part: usize| {
-            let light = (self.norm(part).max(0.0) / self.parts[part].len().max(1) as f64).sqrt();
-            if light < FAINT { total * light / FAINT } else { total.max(side) }
+            let mean = |square: f64| (square.max(0.0) / self.parts[part].len().max(1) as f64).sqrt();
+            let light = mean(self.norm(part));
+            let total = if light < FAINT { total * light / FAINT } else { total };
+            if mean(self.spread[part - 2]) < FAINT { total } else { total.max(side) }
         };
         let whole = judged(above, reflected, 2).max(judged(below, transmitted, 3));
         Distance { above, below, reflected, transmitted, whole }
