@@ -22,7 +22,7 @@ use super::{Failure, answer, draw, tell, write};
 pub struct Options {
     /// A sample, in place of --sample or --mesh
     #[arg(value_name = "SAMPLE", conflicts_with_all = ["mesh", "sample"])]
-    input: Option<PathBuf>,
+    given: Option<PathBuf>,
     #[command(flatten)]
     setup: Setup,
     /// Fewer trees and seeds: two minutes
@@ -41,7 +41,7 @@ pub struct Options {
 
 /// Climbs, and writes what came out.
 pub fn run(options: &Options) -> Result<(), Failure> {
-    let setup = options.input.as_ref().map_or_else(|| options.setup.clone(), |path| options.setup.of(path));
+    let setup = options.given.as_ref().map_or_else(|| options.setup.clone(), |path| options.setup.of(path));
     let (light, description) = (setup.light()?, setup.description()?);
     let picture = options.output.clone().unwrap_or_else(|| {
         let stem = setup.input().file_stem().unwrap_or_default().to_string_lossy().into_owned();

@@ -298,7 +298,6 @@ impl Setup {
             add("trees", &self.trees);
         }
         self.target_error.iter().for_each(|t| add("target-error", t));
-        self.max_rounds.iter().for_each(|r| add("max-rounds", r));
         add("effects", &self.effects);
         add("probe", &self.probe);
         add("edges", &self.edges);
@@ -307,6 +306,8 @@ impl Setup {
         add("depth", &self.depth);
         add("backend", &self.backend);
         add("seed", &self.seed);
+        // Last: it is also told of runs that had no more time.
+        self.max_rounds.iter().for_each(|r| add("max-rounds", r));
         out
     }
 }
