@@ -5,6 +5,7 @@ mod common;
 
 use common::errors::{Held, Specimen, coverage, specimens, targets};
 use gonio_embree::experiment::{Goal, Settings, Target, measure};
+use gonio_embree::light::Incidence;
 
 fn named(name: &str) -> Specimen {
     specimens().into_iter().find(|s| s.name == name).unwrap()
@@ -56,6 +57,24 @@ fn an_error_is_reached_on_all_samples() {
         let reached = targets(&specimen, &specimen.reference(0.3), 0.03, 20);
         println!("{}: {reached:?}", specimen.name);
         assert!(reached.met >= 16, "{reached:?}");
+    }
+}
+
+/// Three incidences: those that are known well enough wait for the others, and keep their errors.
+#[test]
+fn incidences_that_are_done_keep_their_errors() {
+    let Specimen { sample, mut light, .. } = named("glass sphere");
+    light.incidences = [0.0, 40.0, 80.0].map(|theta_deg| Incidence { theta_deg, phi_deg: 0.0 }).to_vec();
+    let goal = Goal { target: Some(Target::Whole(0.04)), ..Goal::default() };
+    let settings = Settings { goal: Some(goal), dome_level: 2, ..Settings::default() };
+    let outcome = measure(&sample, &light, &settings, |_| {}).unwrap();
+    assert!(outcome.ending.unwrap().reached);
+    let trees: Vec<u64> = outcome.bsdf.incidences.iter().map(|s| s.trees).collect();
+    println!("{trees:?}");
+    assert!(trees.iter().any(|&n| n != trees[0]), "all took the same: {trees:?}");
+    for s in &outcome.bsdf.incidences {
+        let whole = s.derived.precision.whole;
+        assert!(whole > 0.0 && whole <= 0.04 && s.ledger.reflected.iter().all(|e| e.se > 0.0), "{trees:?} {whole}");
     }
 }
 

@@ -253,3 +253,21 @@ impl Bsdf {
         self.incidences.iter().flat_map(|s| s.ledger.lost()).fold(0.0, f64::max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn facets_that_few_trees_have_hit_have_an_upper_limit_only() {
+        let facet = Facet { level: 2, code: 7 };
+        let value = vec![Estimate { value: 0.5, se: 0.1 }];
+        let mut hit = FacetValue { facet, trees: 100, value, mueller: Vec::new() };
+        let [low, high] = hit.interval(0, 10_000);
+        assert!((low - 0.296).abs() < 1e-3 && (high - 0.704).abs() < 1e-3, "{low} {high}");
+        hit.trees = 0;
+        // Of nothing seen, Poisson's 97.5 % limit is 3.69.
+        let [low, high] = hit.interval(0, 10_000);
+        assert!(low == 0.0 && (high * 10_000.0 * facet.projected_solid_angle() / 3.69 - 1.0).abs() < 0.01, "{high}");
+    }
+}

@@ -52,9 +52,16 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         atomic::check(path)
             .map_err(|e| Failure::Input(format!("--output {}: cannot be written: {e}", path.display())))?;
     }
+    let settings = setup.settings()?;
+    if settings.goal.is_some() {
+        return Err(Failure::Input(
+            "accuracy compares numbers of trees: give --trees in place of --target-error, --max-time and --max-rounds"
+                .into(),
+        ));
+    }
     let effort = if options.quick { Effort::QUICK } else { Effort { seeds: options.seeds, ..Effort::FULL } };
     let mut line = Line::new(options.quiet);
-    let ladder = climb(&description, &light, &setup.settings()?, &effort, |at: Climbed| line.tell(&at));
+    let ladder = climb(&description, &light, &settings, &effort, |at: Climbed| line.tell(&at));
     line.clear();
     let ladder = ladder.map_err(|e| match e {
         LadderError::Sample(_) => Failure::Input(e.to_string()),

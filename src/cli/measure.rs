@@ -4,6 +4,7 @@ use std::io::IsTerminal as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use gonio_embree::bsdf::Bsdf;
 use gonio_embree::experiment::{Ending, Goal, Outcome, measure};
 use gonio_embree::output::{Measured, atomic, netcdf, summary, table};
 use gonio_embree::plot;
@@ -53,9 +54,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let outcome = outcome.map_err(|e| Failure::Cannot(e.to_string()))?;
     let times = times(&outcome);
     let goal = settings.goal.zip(outcome.ending);
-    if let Some(ending) =
-        outcome.ending.filter(|e| e.out_of_time && settings.goal.is_some_and(|g| g.max_rounds.is_none()))
-    {
+    if let Some(ending) = outcome.ending.filter(|e| e.out_of_time) {
         origin.command += &format!(" --max-rounds {}", ending.rounds);
     }
     let run = summary::Run { seconds: outcome.seconds, threads: settings.threads, goal };
@@ -68,13 +67,13 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         tell(&format!("wrote {} and {}; {times}", output.display(), picture.display()));
     }
     options.gate(&measured)?;
-    goal.map_or(Ok(()), |(goal, ending)| reached(&goal, &ending, &measured, run.seconds))
+    goal.map_or(Ok(()), |(goal, ending)| reached(&goal, &ending, &measured.bsdf, run.seconds))
 }
 
 /// Whether a target, if there was one, is reached.
-fn reached(goal: &Goal, ending: &Ending, measured: &Measured, seconds: f64) -> Result<(), Failure> {
+pub fn reached(goal: &Goal, ending: &Ending, bsdf: &Bsdf, seconds: f64) -> Result<(), Failure> {
     let Some(target) = goal.target.filter(|_| !ending.reached) else { return Ok(()) };
-    let error = measured.bsdf.incidences.iter().map(|s| target.of(&s.derived.precision)).fold(0.0, f64::max);
+    let error = bsdf.incidences.iter().map(|s| target.of(&s.derived.precision)).fold(0.0, f64::max);
     let cause =
         if ending.out_of_time && goal.max_seconds.is_some() { "--max-time is over" } else { "--max-rounds are over" };
     // A tenth more to see it twice.

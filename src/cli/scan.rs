@@ -8,6 +8,7 @@ use gonio_embree::experiment::{Settings, measure};
 use gonio_embree::output::{overlay, scan as output};
 use gonio_embree::plot;
 
+use super::measure::reached;
 use super::numbers::Values;
 use super::progress::Line;
 use super::setup::{Scene, Setup};
@@ -93,8 +94,8 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     };
     let arm = Arm { angles_deg, aperture_deg: options.aperture, below: options.below, turn_deg: options.turn };
     arm.check().map_err(|e| Failure::Input(format!("--exit, --aperture, --turn: {e}")))?;
-    let (scans, lost) = match &options.result {
-        Some(path) => (options.stored(path, &arm)?, 0.0),
+    let (scans, gates) = match &options.result {
+        Some(path) => (options.stored(path, &arm)?, Ok(())),
         None => options.measured(arm)?,
     };
     let overlay = measured.map(|points| overlaid(&scans, points)).transpose()?;
@@ -114,12 +115,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     if let Some(overlay) = &overlay {
         tell(&overlay::verdict(overlay));
     }
-    if lost > MOST_LOST {
-        return Err(Failure::Quality(format!(
-            "{lost:.2e} of the light was lost; a measurement without `scan` says to what"
-        )));
-    }
-    Ok(())
+    gates
 }
 
 /// The only scan beside what was measured.
@@ -135,8 +131,8 @@ fn overlaid(scans: &[Scan], points: Vec<Point>) -> Result<Overlay, Failure> {
 }
 
 impl Options {
-    /// The scans, and the largest share of the light that was lost.
-    fn measured(&self, arm: Arm) -> Result<(Vec<Scan>, f64), Failure> {
+    /// The scans, and whether they are as good as they should be.
+    fn measured(&self, arm: Arm) -> Result<(Vec<Scan>, Result<(), Failure>), Failure> {
         let Scene { light, sample, .. } = self.setup.scene()?;
         let settings = Settings { arm: Some(arm), ..self.setup.settings()? };
         let mut line = Line::new(self.quiet);
@@ -144,7 +140,14 @@ impl Options {
         line.clear();
         let outcome = outcome.map_err(|e| Failure::Cannot(e.to_string()))?;
         let lost = outcome.bsdf.largest_loss();
-        Ok((outcome.scans, lost))
+        let gates = match settings.goal.zip(outcome.ending) {
+            _ if lost > MOST_LOST => Err(Failure::Quality(format!(
+                "{lost:.2e} of the light was lost; a measurement without `scan` says to what"
+            ))),
+            Some((goal, ending)) => reached(&goal, &ending, &outcome.bsdf, outcome.seconds),
+            None => Ok(()),
+        };
+        Ok((outcome.scans, gates))
     }
 
     /// What is asked for of a result: all, unless the user says which.

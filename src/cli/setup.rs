@@ -88,7 +88,8 @@ pub struct Setup {
     /// brightest. Work doubles from round to round, for the incidences that need it most
     #[arg(long, value_name = "ERROR", help_heading = "Work")]
     target_error: Option<Target>,
-    /// Begin no round that would last longer than this, such as 60s, 5min or 2h; alone: use so much time
+    /// End in time, such as 60s, 5min or 2h: a round that would not fit is made smaller, and is the last; alone: use so much
+    /// time
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, help_heading = "Work")]
     max_time: Option<String>,
     /// End after so many rounds; of the last one a part such as 0.25. A run that had no time left tells how many it was
@@ -306,8 +307,6 @@ impl Setup {
         add("depth", &self.depth);
         add("backend", &self.backend);
         add("seed", &self.seed);
-        // Last: it is also told of runs that had no more time.
-        self.max_rounds.iter().for_each(|r| add("max-rounds", r));
         out
     }
 }

@@ -14,8 +14,9 @@ pub struct Rule {
     pub false_alarm: f64,
     /// A facet hit by fewer trees is never divided.
     pub fewest_trees: u64,
-    /// Without such proof, parts are told apart where the square of what one facet would hide is more than their noise by this
-    /// factor, less one: 2 gives the least error on average (Mallows 1973), and more the fewer facets.
+    /// Without such proof, parts are told apart where that lowers the square of the estimated error: what a facet hides of its
+    /// parts, and the variance of its mean times this. With 2 the estimate is unbiased (Mallows, Technometrics 15, 1973); more
+    /// gives fewer facets.
     pub penalty: f64,
 }
 

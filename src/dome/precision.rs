@@ -69,14 +69,22 @@ impl Norm {
 
     /// The relative error that 95 of 100 do not exceed. A sum of squares of so many independent errors is like χ²; their
     /// estimates have `freedom` degrees of freedom each.
+    fn relative(&self, freedom: f64) -> f64 {
+        match self.bound(freedom) {
+            0.0 => 0.0,
+            // Where all that is seen may be noise, nothing is known.
+            bound if self.square > 0.0 => bound / self.square.sqrt(),
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// The same, not relative.
     fn bound(&self, freedom: f64) -> f64 {
-        if self.error <= 0.0 {
+        if self.error == 0.0 {
             return 0.0;
         }
         let independent = self.error * self.error / self.errors_squared;
-        let square = self.error * fisher_95(independent, freedom * independent);
-        // Where all that is seen may be noise, nothing is known.
-        if self.square > 0.0 { (square / self.square).sqrt() } else { f64::INFINITY }
+        (self.error * fisher_95(independent, freedom * independent)).sqrt()
     }
 }
 
@@ -126,24 +134,19 @@ impl Measurement {
     pub fn precision(&self) -> Precision {
         let (sides, totals) = self.norms();
         let (lanes, freedom) = (self.shape().lanes as f64, self.batches() as f64 - 1.0);
-        let sides = sides.map(|side| side.bound(freedom));
-        let all = totals.map(|norm| (norm.bound(freedom), (norm.square.max(0.0) / lanes).sqrt()));
-        let judged = |((side, (total, light)), spread): ((f64, (f64, f64)), f64)| {
-            let total = if light < FAINT { total * light / FAINT } else { total };
-            if spread < FAINT { total } else { total.max(side) }
+        let faint = lanes.sqrt() * FAINT;
+        let judged = |((side, total), spread): ((&Norm, &Norm), f64)| {
+            let total = total.bound(freedom) / total.square.max(0.0).sqrt().max(faint);
+            if spread < FAINT { total } else { total.max(side.relative(freedom)) }
         };
+        // Of a single batch nothing is known.
+        let greatest = |a: f64, b: f64| if b.is_nan() { f64::INFINITY } else { a.max(b) };
         Precision {
-            above: sides[0],
-            below: sides[1],
-            reflected: all[0].0,
-            transmitted: all[1].0,
-            whole: sides
-                .into_iter()
-                .zip(all)
-                .zip(self.spread())
-                .map(judged)
-                .filter(|e| !e.is_nan())
-                .fold(0.0, f64::max),
+            above: sides[0].relative(freedom),
+            below: sides[1].relative(freedom),
+            reflected: totals[0].relative(freedom),
+            transmitted: totals[1].relative(freedom),
+            whole: sides.iter().zip(&totals).zip(self.spread()).map(judged).fold(0.0, greatest),
             facet: self.worst_facet(self.finest().min(RESOLUTION)),
         }
     }
@@ -200,10 +203,10 @@ mod tests {
     fn a_norm_of_one_value_has_the_interval_of_student() {
         let mut one = Norm::default();
         one.add(std::iter::once(Estimate { value: 2.0, se: 0.1 }), 1.0);
-        assert!((one.bound(31.0) / (2.04 * 0.05) - 1.0).abs() < 0.02);
+        assert!((one.relative(31.0) / (2.04 * 0.05) - 1.0).abs() < 0.02);
         let mut many = Norm::default();
         (0..1000).for_each(|_| many.add(std::iter::once(Estimate { value: 2.0, se: 0.1 }), 1.0));
-        assert!((many.bound(31.0) / 0.05 - 1.0).abs() < 0.05);
-        assert_eq!(Norm::default().bound(31.0), 0.0);
+        assert!((many.relative(31.0) / 0.05 - 1.0).abs() < 0.05);
+        assert_eq!(Norm::default().relative(31.0), 0.0);
     }
 }

@@ -75,14 +75,12 @@ pub struct Goal {
 pub struct Ending {
     /// Whether the target is reached.
     pub reached: bool,
-    /// Whether it ended because of its time, and would else have gone on.
+    /// Whether it ended because of its time, or of the number of its rounds, and would else have gone on.
     pub out_of_time: bool,
     /// Rounds traced; of the last one it may be a part.
     pub rounds: f64,
-    /// What was forecast as soon as it could be relied on.
-    pub forecast: Forecast,
-    /// Time that had been spent on tracing then, s.
-    pub pilot_seconds: f64,
+    /// What was forecast as soon as it could be relied on, and the time that had been spent on tracing then, s.
+    pub forecast: Option<(Forecast, f64)>,
 }
 
 /// What is still to come, for all incidences.
@@ -100,6 +98,8 @@ const FIRST: u64 = 4096;
 /// been seen, and time goes to what is done only once.
 const PILOT: u64 = 131_072;
 const PILOT_PART: u64 = 4;
+/// Forecasts of more trees are none.
+const MOST_TREES: f64 = 1e15;
 /// What is reached once must be reached again after so many more trees.
 const CONFIRM: f64 = 0.1;
 /// A round aims beyond the target: what an error will be is itself only estimated.
@@ -152,7 +152,8 @@ impl Course {
         }
         let rounds_left = goal.max_rounds.map_or(1.0, |most| (most - self.rounds).min(1.0));
         let time_left = goal.max_seconds.map_or(f64::INFINITY, |most| most - seconds);
-        let needed = if first { 0.0 } else { self.seconds_for(&whole, tracing) };
+        let trees: Vec<f64> = whole.iter().map(|&n| n as f64).collect();
+        let needed = if first { 0.0 } else { self.seconds_for(&trees, tracing) };
         let part = PARTS.into_iter().find(|part| *part <= rounds_left && part * needed <= time_left);
         self.out_of_time = part.is_none_or(|part| part < 1.0);
         self.rounds += part?;
@@ -167,7 +168,7 @@ impl Course {
             let passes = if error <= target.error() { standing.passes + 1 } else { 0 };
             *standing = Standing { trees: m.trees(), segments: m.segments(), error, passes };
         }
-        let forecast = self.forecast_from(tracing);
+        let Some(forecast) = self.forecast(tracing) else { return };
         let traced: u64 = self.standings.iter().map(|s| s.trees).sum();
         if traced >= PILOT * self.standings.len() as u64 || forecast.trees <= PILOT_PART * traced {
             self.forecast.get_or_insert((forecast, tracing));
@@ -179,39 +180,33 @@ impl Course {
         (self.goal.is_some() && self.rounds > 0.0).then(|| self.standings.iter().map(|s| s.error).fold(0.0, f64::max))
     }
 
-    /// What is to come, if there is a target. `tracing` seconds were spent on tracing.
+    /// What is to come, if that can be told: there is a target, and some error is known. `tracing` seconds were spent on
+    /// tracing.
     pub fn forecast(&self, tracing: f64) -> Option<Forecast> {
-        self.goal.and_then(|g| g.target).map(|_| self.forecast_from(tracing))
+        let target = self.goal?.target?;
+        let more: Vec<f64> = self.standings.iter().map(|s| s.rest(target.error())).collect();
+        let trees: f64 = self.standings.iter().zip(&more).map(|(s, n)| s.trees as f64 + n).sum();
+        // Nothing is traced yet, or nothing is seen yet.
+        (trees > 0.0 && trees < MOST_TREES)
+            .then(|| Forecast { trees: trees as u64, seconds: self.seconds_for(&more, tracing) })
     }
 
     /// How it has ended.
     pub fn ending(&self) -> Option<Ending> {
         let goal = self.goal?;
         let reached = goal.target.is_some() && self.standings.iter().all(|s| s.passes >= 2);
-        let (forecast, pilot_seconds) = self.forecast.unwrap_or_default();
-        Some(Ending {
-            reached,
-            out_of_time: self.out_of_time && !reached,
-            rounds: self.rounds,
-            forecast,
-            pilot_seconds,
-        })
+        let out_of_time = self.out_of_time && !reached;
+        Some(Ending { reached, out_of_time, rounds: self.rounds, forecast: self.forecast })
     }
 
     fn target(&self) -> f64 {
         self.goal.and_then(|g| g.target).map_or(0.0, Target::error)
     }
 
-    fn forecast_from(&self, tracing: f64) -> Forecast {
-        let more: Vec<u64> = self.standings.iter().map(|s| s.rest(self.target())).collect();
-        let trees = self.standings.iter().zip(&more).map(|(s, n)| s.trees + n).sum();
-        Forecast { trees, seconds: self.seconds_for(&more, tracing) }
-    }
-
     /// Time for so many trees of each incidence, after `tracing` seconds for what is traced.
-    fn seconds_for(&self, trees: &[u64], tracing: f64) -> f64 {
+    fn seconds_for(&self, trees: &[f64], tracing: f64) -> f64 {
         let segments: u64 = self.standings.iter().map(|s| s.segments).sum();
-        let more: f64 = self.standings.iter().zip(trees).map(|(s, &n)| s.cost() * n as f64).sum();
+        let more: f64 = self.standings.iter().zip(trees).map(|(s, n)| s.cost() * n).sum();
         more * tracing / segments as f64
     }
 
@@ -253,12 +248,13 @@ impl Standing {
     }
 
     /// Trees that are missing to be sure of the error `aim`.
-    fn rest(&self, aim: f64) -> u64 {
-        match self.passes {
-            0 => ((self.needed(aim).max(1.0) * (1.0 + CONFIRM) - 1.0) * self.trees as f64) as u64,
-            1 => (CONFIRM * self.trees as f64) as u64,
-            _ => 0,
-        }
+    fn rest(&self, aim: f64) -> f64 {
+        let times = match self.passes {
+            0 => self.needed(aim).max(1.0) * (1.0 + CONFIRM) - 1.0,
+            1 => CONFIRM,
+            _ => 0.0,
+        };
+        times * self.trees as f64
     }
 }
 
@@ -326,6 +322,16 @@ mod tests {
         assert_eq!(course.next(9.0, 9.0), None);
         let ending = course.ending().unwrap();
         assert!(ending.out_of_time && !ending.reached && ending.rounds == 1.25);
+    }
+
+    /// A facet that is not seen yet has an endless error.
+    #[test]
+    fn nothing_is_forecast_where_nothing_is_known() {
+        let unseen = course(0.05, &[(32_000, f64::INFINITY, 0), (32_000, 0.1, 0)]);
+        assert_eq!(unseen.forecast(1.0), None);
+        assert!(unseen.round()[0] >= 32_000);
+        let mut timed = Course::new(Some(Goal { max_seconds: Some(9.0), ..Goal::default() }), 0, 1);
+        assert_eq!((timed.next(0.0, 0.0), timed.forecast(1.0)), (Some(vec![FIRST]), None));
     }
 
     #[test]

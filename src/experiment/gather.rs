@@ -96,7 +96,9 @@ impl<W: FnMut(Progress)> Job for Gather<'_, '_, W> {
             if measurements.is_empty() {
                 measurements = closed.collect();
             } else {
-                measurements.iter_mut().zip(closed).for_each(|(m, later)| m.merge(&later));
+                // Some incidences may have had no part in it.
+                let traced = measurements.iter_mut().zip(closed).filter(|(_, later)| later.trees() > 0);
+                traced.for_each(|(m, later)| m.merge(&later));
             }
             course.look(&measurements, &round, seconds(tracing));
         }

@@ -43,8 +43,8 @@ struct Aimed {
     reached: bool,
     out_of_time: bool,
     rounds: f64,
-    forecast_trees: u64,
-    forecast_seconds: f64,
+    forecast_trees: Option<u64>,
+    forecast_seconds: Option<f64>,
 }
 
 /// Relative errors that 95 of 100 measurements do not exceed; of the worst facet none if it cannot be told.
@@ -117,8 +117,8 @@ fn aimed((goal, ending): (Goal, Ending)) -> Aimed {
         reached: ending.reached,
         out_of_time: ending.out_of_time,
         rounds: ending.rounds,
-        forecast_trees: ending.forecast.trees,
-        forecast_seconds: ending.forecast.seconds,
+        forecast_trees: ending.forecast.map(|(f, _)| f.trees),
+        forecast_seconds: ending.forecast.map(|(f, _)| f.seconds),
     }
 }
 

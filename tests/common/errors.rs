@@ -174,7 +174,7 @@ pub struct Reached {
     pub trees: f64,
     /// Trees with which 95 of 100 would have been as good, had one known how many that are.
     pub oracle: f64,
-    /// Trees and seconds that were forecast after the first round, over those it took: the means, and the worst deviation of
+    /// Trees and seconds that were forecast, over those it took: the means, and the worst deviation of
     /// the trees that 90 of 100 do not exceed.
     pub forecast_trees: f64,
     pub forecast_seconds: f64,
@@ -196,11 +196,11 @@ pub fn targets(specimen: &Specimen, reference: &Outcome, target: f64, seeds: u64
         reached.met += u64::from(error <= target);
         reached.trees += trees / seeds as f64;
         needed.push(trees * (error / target).powi(2));
-        let forecast = ending.forecast.trees as f64 / trees;
+        let (told, pilot_seconds) = ending.forecast.unwrap();
+        let forecast = told.trees as f64 / trees;
         deviations.push((forecast - 1.0).abs());
         reached.forecast_trees += forecast / seeds as f64;
-        reached.forecast_seconds +=
-            (ending.forecast.seconds + ending.pilot_seconds) / outcome.tracing_seconds / seeds as f64;
+        reached.forecast_seconds += (told.seconds + pilot_seconds) / outcome.tracing_seconds / seeds as f64;
     }
     let at = |mut all: Vec<f64>, share: f64| {
         all.sort_by(f64::total_cmp);
