@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use plotters::prelude::*;
 
-use super::{Area, Drawn, FONT, WIDTH, shade};
+use super::{Area, Drawn, FONT, WIDTH};
 use crate::experiment::accuracy::{BASE, Ladder, Point, TREES};
 use crate::units::significant;
 
@@ -69,10 +69,10 @@ fn draw(root: &Area<'_>, ladder: &Ladder, title: &str) -> Drawn {
     let mut front: Vec<(f64, f64)> = seen().filter(|p| ladder.is_on_front(p)).map(at).collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
     chart.draw_series(LineSeries::new(front, RGBColor(255, 190, 120).stroke_width(7)))?;
-    let mut legend = vec![("as errors of chance fall, 1/√time".to_string(), grey, false)];
-    legend.push(("nothing is better and faster".into(), RGBColor(255, 190, 120), false));
+    let mut legend = vec![("as errors of chance fall, 1/√time".to_string(), grey.to_rgba(), false)];
+    legend.push(("nothing is better and faster".into(), RGBColor(255, 190, 120).to_rgba(), false));
     for (i, (knob, points)) in knobs(ladder).into_iter().enumerate() {
-        let color = if knob == TREES { BLACK } else { color(i) };
+        let color = if knob == TREES { BLACK.to_rgba() } else { color(i).to_rgba() };
         if knob == TREES {
             let mut line: Vec<(f64, f64)> = points.iter().map(|p| at(p)).collect();
             line.extend(ladder.points.first().map(at));
@@ -96,7 +96,7 @@ fn draw(root: &Area<'_>, ladder: &Ladder, title: &str) -> Drawn {
     }
     if let Some(base) = ladder.points.first() {
         chart.draw_series(std::iter::once(TriangleMarker::new(at(base), 8, RED.filled())))?;
-        legend.push((format!("{BASE} ({})", base.setting), RED, true));
+        legend.push((format!("{BASE} ({})", base.setting), RED.to_rgba(), true));
     }
     for (i, (name, color, is_point)) in legend.into_iter().enumerate() {
         let y = 50 + 22 * i as i32;
@@ -124,8 +124,8 @@ fn knobs(ladder: &Ladder) -> BTreeMap<&'static str, Vec<&Point>> {
     all
 }
 
-/// A colour of its own for each of a dozen knobs.
-fn color(i: usize) -> RGBColor {
-    const FAR_APART: [f64; 6] = [0.0, 0.55, 0.3, 0.8, 0.15, 0.65];
-    if i < 6 { shade(FAR_APART[i]) } else { RGBColor(220, 40 + 30 * (i as u8 - 6), 60 * (i as u8 - 6).min(4)) }
+/// A colour of its own for each of a dozen knobs: hues far apart, by turns dark and bright.
+fn color(i: usize) -> HSLColor {
+    const GOLDEN: f64 = 0.618_034;
+    HSLColor((0.55 + GOLDEN * i as f64).fract(), 0.75, if i.is_multiple_of(2) { 0.35 } else { 0.5 })
 }

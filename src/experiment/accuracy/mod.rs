@@ -169,6 +169,8 @@ pub fn climb(
     let start = std::time::Instant::now();
     let mut settings = Settings { goal: None, arm: None, ..settings.clone() };
     let (plan, rate) = trial(description, light, &settings)?;
+    // As a long measurement has it: what is told of errors and times is to hold for more trees, too.
+    settings.options.limits.splits = plan.limits.splits;
     if let Some(seconds) = effort.seconds {
         let work = effort.reference as f64 + WORK_PER_SEED * effort.seeds as f64;
         settings.trees = settings.trees.min((seconds * rate / work) as u64).max(TRIAL);
@@ -196,9 +198,10 @@ fn sample(description: &Description, light: &Light) -> Result<Sample, LadderErro
 fn trial(description: &Description, light: &Light, settings: &Settings) -> Result<(Plan, f64), LadderError> {
     let few = Settings { trees: settings.trees.min(TRIAL), ..settings.clone() };
     let outcome = measure(&sample(description, light)?, light, &few, |_| {}).map_err(LadderError::Measure)?;
-    // Of the plan counts that of the whole, whose pilots are larger.
+    // Of the plan counts that of a long measurement, whose pilots are larger.
     let sample = sample(description, light)?;
-    let plan = Bench::new(&sample, light, settings).map_err(LadderError::Measure)?.plan();
+    let long = Settings { trees: settings.trees.max(Settings::default().trees), ..settings.clone() };
+    let plan = Bench::new(&sample, light, &long).map_err(LadderError::Measure)?.plan();
     Ok((plan, few.trees as f64 / outcome.tracing_seconds))
 }
 
@@ -252,7 +255,8 @@ fn point(
     let wholes: Vec<f64> = squares.iter().map(|&s| truth.distance(s).whole).collect();
     let average = wholes.iter().sum::<f64>() / n;
     let spread = (wholes.iter().map(|w| (w - average) * (w - average)).sum::<f64>() / (n - 1.0).max(1.0)).sqrt();
-    let floor = floor(&sum.over(n), truth, mean(&raw_squares), n);
+    // What more trees would lower is no floor of a number of trees.
+    let floor = if rung.knob == TREES { 0.0 } else { floor(&sum.over(n), truth, mean(&raw_squares), n) };
     Ok(Point {
         knob: rung.knob,
         setting: rung.setting.clone(),
