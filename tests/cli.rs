@@ -4,6 +4,7 @@ mod desk;
 
 use std::fs;
 use std::path::Path;
+use std::process::Output;
 
 use desk::{Desk, code, errors};
 use gonio_embree::output::netcdf;
