@@ -193,19 +193,19 @@ fn surface(cos: f64) -> f64 {
 /// the table at one angle, times what 1 − F is on the average to what it is there.
 #[test]
 fn a_matt_ground_under_glass_has_its_brdf_in_the_facets() {
-    const WIDTH: f64 = 6.0;
+    const WIDTH: f64 = 20.0;
     let cases = closed_forms("saunderson_brdf");
     let light = light(&[NM], &angles(&cases, "theta_i"), Polarization::Unpolarized);
     let mut comparisons = Comparisons::default();
     for share in [0.2, 0.5, 0.9, 1.0] {
-        let bsdf = run(&matt_under_glass(share), &light, &Settings { dome_level: 4, ..endless(200_000) });
+        let bsdf = run(&matt_under_glass(share), &light, &Settings { dome_level: 4, ..endless(400_000) });
         for case in cases.iter().filter(|c| c.number("R_base") == share) {
             let (theta, brdf) = (case.number("theta_o"), case.number("brdf_per_sr"));
             let unit = brdf / (1.0 - surface(theta.to_radians().cos()));
             let (mut sum, mut variance, mut angle, mut truth) = (0.0, 0.0, 0.0, 0.0);
             for f in &at(&bsdf, case.number("theta_i")).facets {
                 let center = f.facet.center().z.acos().to_degrees();
-                if (center - theta).abs() < WIDTH {
+                if (center - theta).abs() < WIDTH && center < 90.0 {
                     let parts = parts(f.facet, 7 - f.facet.level);
                     let size: f64 = parts.iter().map(|p| p.1).sum();
                     sum += f.value[0].value * size;

@@ -80,6 +80,7 @@ fn nasty() -> Measured {
             hits: 1234,
             flux_share: 0.5,
         }],
+        incomplete: None,
     };
     Measured { bsdf, provenance }
 }

@@ -49,7 +49,7 @@ pub fn page(out: &Path) -> Result<String, Failed> {
                  colour: L*, a* and b*; scan: a detector 10° wide in ten places; facets of 16°; of both what at least 100 trees \
                  have hit. What does not vary has no interval.\n\n";
         page += "| sample | what | intervals | held |\n|---|---|--:|--:|\n";
-        for r in rows {
+        for r in rows.into_iter().filter(|r| r[2] != "0") {
             let share = 100.0 * r[3].parse::<f64>()? / r[2].parse::<f64>()?;
             let _ = writeln!(page, "| {} | {} | {} | {share:.1} % |", r[0], r[1], r[2]);
         }

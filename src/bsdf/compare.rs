@@ -1,7 +1,7 @@
 //! Two results of the same sample: do they differ by more than chance?
 //!
-//! Their domes have facets of different size; they are compared in the coarser one of each place, where the fluxes of the
-//! finer ones add up. Wavelengths share their rays, so that each has a sum of squares of its own.
+//! Their domes have facets of different size; they are compared in the coarser one of each place, or in one coarser still
+//! that enough trees have hit, where the fluxes of the finer ones add up. Wavelengths share their rays, so that each has a sum of squares of its own.
 
 use super::{Bsdf, FacetValue, Scattering};
 use crate::dome::{BATCHES, Estimate, Facet, critical};
@@ -81,7 +81,7 @@ pub fn compare(a: &Bsdf, b: &Bsdf) -> Result<Comparison, String> {
     let mut spectra = Vec::new();
     for one in &a.incidences {
         let Some(other) = b.incidences.iter().find(|s| s.incidence == one.incidence) else { continue };
-        let cells = common(&one.facets, &other.facets);
+        let cells = resolved(common(&one.facets, &other.facets), [&one.facets, &other.facets]);
         for (wa, nm) in a.wavelength_nm.iter().enumerate() {
             let Some(wb) = b.wavelength_nm.iter().position(|w| w == nm) else { continue };
             spectra.push(Compared::new((one, wa), (other, wb), *nm, &cells));
@@ -98,7 +98,8 @@ pub fn compare(a: &Bsdf, b: &Bsdf) -> Result<Comparison, String> {
     Ok(Comparison { allowed_z: allowed(numbers), allowed_square, numbers, spectra })
 }
 
-/// A place that both domes have: one facet in one of them, and all facets within it in the other.
+/// A place that both domes have: one facet, and all facets within it of either.
+#[derive(Clone, Debug)]
 struct Cell<'a> {
     facet: Facet,
     parts: [&'a [FacetValue]; 2],
@@ -125,6 +126,31 @@ fn common<'a>(a: &'a [FacetValue], b: &'a [FacetValue]) -> Vec<Cell<'a>> {
             break;
         }
         cells.push(Cell { facet, parts });
+    }
+    cells
+}
+
+/// The cells with those put together that too few trees have hit, as far as one side of the sample goes. They cover `facets`
+/// from the first on.
+fn resolved<'a>(mut cells: Vec<Cell<'a>>, facets: [&'a [FacetValue]; 2]) -> Vec<Cell<'a>> {
+    let finest = cells.iter().map(|c| c.facet.level).max().unwrap_or(0);
+    for level in (2..=finest).rev() {
+        let above = |f: Facet| (f.level >= level).then(|| f.code >> (2 * (f.level + 1 - level)));
+        let mut done = [0, 0];
+        let mut kept = Vec::new();
+        for family in cells.chunk_by(|a, b| above(a.facet).is_some() && above(a.facet) == above(b.facet)) {
+            let from = done;
+            family.iter().for_each(|c| done = [0, 1].map(|k| done[k] + c.parts[k].len()));
+            let rough = family.iter().any(|c| c.facet.level == level && !c.is_resolved());
+            match above(family[0].facet).filter(|_| rough) {
+                Some(code) => kept.push(Cell {
+                    facet: Facet { level: level - 1, code },
+                    parts: [0, 1].map(|k| &facets[k][from[k]..done[k]]),
+                }),
+                None => kept.extend_from_slice(family),
+            }
+        }
+        cells = kept;
     }
     cells
 }

@@ -6,6 +6,7 @@ mod explain;
 mod export;
 mod film;
 mod generate;
+mod keep;
 mod materials;
 mod measure;
 mod medium;
@@ -15,6 +16,8 @@ mod progress;
 mod report;
 mod scan;
 mod setup;
+mod stop;
+mod work;
 
 use std::fmt;
 use std::io::{self, Write as _};
@@ -34,7 +37,7 @@ use gonio_embree::plot;
     arg_required_else_help = true,
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
-    after_help = "Exit codes: 0 done; 1 ran, but energy was lost, results differ or an error was not reached; 2 bad input or usage; 3 cannot run."
+    after_help = "Exit codes: 0 done; 1 ran, but energy was lost, results differ or an error was not reached; 2 bad input or usage; 3 cannot run; 65 incomplete or mixed data; 75 stopped, run it again to go on."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -88,7 +91,14 @@ pub enum Failure {
     Input(String),
     /// It cannot run here.
     Cannot(String),
+    /// Data are incomplete, or do not belong together.
+    Mixed(String),
+    /// It was stopped and goes on when it is run again.
+    Stopped(String),
 }
+
+/// Exit code of what was stopped.
+const STOPPED: u8 = 75;
 
 impl Failure {
     fn code(&self) -> u8 {
@@ -96,6 +106,8 @@ impl Failure {
             Self::Quality(_) => 1,
             Self::Input(_) => 2,
             Self::Cannot(_) => 3,
+            Self::Mixed(_) => 65,
+            Self::Stopped(_) => STOPPED,
         }
     }
 }
@@ -103,7 +115,9 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Quality(why) | Self::Input(why) | Self::Cannot(why) => f.write_str(why),
+            Self::Quality(why) | Self::Input(why) | Self::Cannot(why) | Self::Mixed(why) | Self::Stopped(why) => {
+                f.write_str(why)
+            }
         }
     }
 }
@@ -127,7 +141,8 @@ pub fn run() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            tell(&format!("error: {failure}"));
+            let kind = if matches!(failure, Failure::Stopped(_)) { "" } else { "error: " };
+            tell(&format!("{kind}{failure}"));
             ExitCode::from(failure.code())
         }
     }

@@ -8,10 +8,10 @@ use gonio_embree::experiment::{Settings, measure};
 use gonio_embree::output::{overlay, scan as output};
 use gonio_embree::plot;
 
-use super::measure::reached;
 use super::numbers::Values;
 use super::progress::Line;
 use super::setup::{Scene, Setup};
+use super::work::reached;
 use super::{Failure, answer, draw, stored, tell};
 
 /// Options that a result has answered already.

@@ -11,7 +11,7 @@ use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelength
 use gonio_embree::output::sha256_of_files;
 use gonio_embree::plan::{self, Edges, Limits, Name, Probe, Wanted};
 use gonio_embree::sample::description::Sides;
-use gonio_embree::sample::{Description, Sample, obj};
+use gonio_embree::sample::{Description, Replacement, Sample, obj};
 use gonio_embree::units::{self, LengthUnit};
 
 use super::medium::NamedMedium;
@@ -33,6 +33,9 @@ pub struct Setup {
     /// A sample file
     #[arg(long, value_name = "FILE.toml", help_heading = "Sample")]
     sample: Option<PathBuf>,
+    /// Another value in the sample file, such as objects.fibre.radius=0.4 or sample.below=water; may be repeated
+    #[arg(long, value_name = "KEY=VALUE", conflicts_with = "mesh", help_heading = "Sample")]
+    set: Vec<Replacement>,
     /// Unit of a mesh: nm, um, mm or m
     #[arg(long, default_value = "um", conflicts_with = "sample", help_heading = "Sample")]
     unit: LengthUnit,
@@ -194,7 +197,7 @@ impl Setup {
                 Ok(description)
             }
             (None, Some(path)) => {
-                let description = Description::from_toml(path).map_err(|e| wrong(&e))?;
+                let description = Description::from_toml_with(path, &self.set).map_err(|e| wrong(&e))?;
                 description.remarks().iter().for_each(|remark| tell(&format!("warning: {remark}")));
                 Ok(description)
             }
@@ -281,7 +284,10 @@ impl Setup {
                 self.patch.iter().for_each(|p| add("patch", p));
                 self.medium.iter().for_each(|m| add("medium", m));
             }
-            (None, path) => path.iter().for_each(|p| add("sample", &p.display())),
+            (None, path) => {
+                path.iter().for_each(|p| add("sample", &p.display()));
+                self.set.iter().for_each(|s| add("set", s));
+            }
         }
         for (name, given, default) in [
             ("incident", &self.incident, INCIDENT),

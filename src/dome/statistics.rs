@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use serde::{Deserialize, Serialize};
+
 use super::frame;
 use super::geodesic::{Facet, count};
 use super::tally::{Shape, Tally};
@@ -20,7 +22,8 @@ pub struct Estimate {
 }
 
 /// Rows of facets, of one level or of apertures, each with `N` numbers per lane and component.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; N]: Serialize", deserialize = "[f64; N]: Deserialize<'de>"))]
 struct Level<const N: usize> {
     /// Row of each facet, or [`ABSENT`].
     rows: Vec<u32>,
@@ -31,7 +34,7 @@ struct Level<const N: usize> {
 const ABSENT: u32 = u32::MAX;
 
 /// What is collected of independent scrambles of equally many trees, which together are a round.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Round {
     whole: Measurement,
     /// Sum over all batches, sum of the means of batches, and of their squares.
@@ -40,7 +43,7 @@ pub struct Round {
 }
 
 /// Everything measured at one incidence. Rounds are independent: their variances add up.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Measurement {
     shape: Shape,
     finest: u8,
@@ -57,7 +60,7 @@ pub struct Measurement {
 }
 
 /// Terms of the ledger of a batch: sums, per term and lane.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Batch {
     trees: u64,
     terms: Vec<f64>,

@@ -1,5 +1,7 @@
 //! What one chunk of trees, or one batch of chunks, has put into the dome.
 
+use serde::{Deserialize, Serialize};
+
 /// Entries of the energy ledger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
@@ -33,7 +35,7 @@ impl Entry {
 }
 
 /// How many numbers a tally holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shape {
     /// Lanes: wavelengths that are traced.
     pub lanes: usize,
@@ -72,7 +74,7 @@ impl Shape {
 }
 
 /// Power per lane in each term of the ledger, and per facet.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     shape: Shape,
     /// Trees traced.

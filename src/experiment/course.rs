@@ -7,12 +7,14 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 use super::BATCHES;
 use crate::dome::{Measurement, Precision};
 use crate::units::{percentage, show_percentage};
 
 /// What error is aimed at; 95 of 100 measurements do not exceed it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Target {
     /// Of the BRDF and the BTDF over the dome, and of all reflected and all transmitted light ([`Precision::whole`]).
     Whole(f64),
@@ -60,7 +62,7 @@ impl FromStr for Target {
 }
 
 /// When enough is traced, if not after a fixed number of trees.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Goal {
     /// When this is reached.
     pub target: Option<Target>,
@@ -71,7 +73,7 @@ pub struct Goal {
 }
 
 /// How a measurement with a goal has ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ending {
     /// Whether the target is reached.
     pub reached: bool,
@@ -84,7 +86,7 @@ pub struct Ending {
 }
 
 /// What is still to come, for all incidences.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
     /// Trees in all, those that are traced included.
     pub trees: u64,
@@ -110,7 +112,7 @@ const MOST: f64 = 4.0;
 const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
 /// Where an incidence stands.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Standing {
     trees: u64,
     segments: u64,
@@ -120,7 +122,7 @@ struct Standing {
 }
 
 /// The course of a measurement.
-#[derive(Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Course {
     goal: Option<Goal>,
     fixed: u64,
@@ -136,6 +138,12 @@ impl Course {
     pub fn new(goal: Option<Goal>, fixed: u64, incidences: usize) -> Self {
         let standings = vec![Standing::default(); incidences];
         Self { goal, fixed, standings, rounds: 0.0, out_of_time: false, forecast: None }
+    }
+
+    /// Goes on until another goal is reached.
+    pub fn aim(&mut self, goal: Option<Goal>) {
+        self.goal = goal;
+        self.out_of_time = false;
     }
 
     /// Trees of each incidence in the next round, if there is one. `seconds` have passed since the start, `tracing` of them

@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
-use super::gather::Gather;
+use super::course::Course;
+use super::gather::advance;
+use super::state::State;
 use super::{Bench, Error, Settings};
 use crate::light::Light;
 use crate::output::plan::Explanation;
 use crate::plan::{Name, Plan};
 use crate::sample::Sample;
-use crate::trace::with_kernel;
 
 /// Trees that are timed, in all, and how often: the shortest time counts.
 const TREES: u64 = 4096;
@@ -58,8 +59,8 @@ fn other(bench: &Bench<'_>, plan: &Plan, name: Name) -> Option<Plan> {
 
 /// Seconds that the trees take.
 fn time(bench: &Bench<'_>, plan: &Plan) -> f64 {
-    let kernel = bench.kernel(plan);
+    let course = Course::new(None, bench.settings.trees, bench.light.incidences.len());
     let start = Instant::now();
-    with_kernel(plan.kernel, Gather::new(bench, &kernel, start, |_| {}));
+    advance(bench, plan, &mut State::new(course, None, 0.0, 0), |_, _| true);
     start.elapsed().as_secs_f64()
 }

@@ -7,11 +7,16 @@ mod explain;
 mod gather;
 mod pilot;
 mod provenance;
+pub mod sealed;
 mod splits;
+mod state;
 
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
 
 use crate::bsdf::{Arm, Bsdf, FacetValue, Scan};
 use crate::dome::Rule;
@@ -20,13 +25,14 @@ use crate::intersect::choose::{Backend, BackendError};
 use crate::light::Light;
 use crate::plan::{self, Plan};
 use crate::sample::Sample;
-use crate::trace::{Kernel, Stacks, with_kernel};
-use gather::Gather;
+use crate::trace::{Kernel, Stacks};
+use course::Course;
 
 pub use crate::dome::BATCHES;
 pub use course::{Ending, Forecast, Goal, Target};
 pub use explain::explain;
 pub use provenance::Origin;
+pub use state::{Mismatch, State};
 
 /// What the user decides besides sample and light.
 #[derive(Clone, Debug)]
@@ -87,7 +93,7 @@ pub struct Outcome {
 }
 
 /// How far the work is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// Trees traced, of all incidences.
     pub done: u64,
@@ -158,6 +164,64 @@ impl<'a> Bench<'a> {
     }
 }
 
+/// A measurement that is planned.
+pub struct Experiment<'a> {
+    bench: Bench<'a>,
+    plan: Plan,
+    /// Spent on planning, s.
+    seconds: f64,
+}
+
+impl<'a> Experiment<'a> {
+    /// Plans how `sample` is measured under `light`.
+    ///
+    /// # Errors
+    /// When the light comes from nowhere, or the backend cannot work.
+    pub fn new(sample: &'a Sample, light: &'a Light, settings: &'a Settings) -> Result<Self, Error> {
+        let start = Instant::now();
+        let bench = Bench::new(sample, light, settings)?;
+        let plan = bench.plan();
+        Ok(Self { bench, plan, seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// Nothing is traced yet.
+    pub fn start(&self) -> State {
+        self.state(None)
+    }
+
+    /// Nothing is traced yet, and only these batches will be ([`State::batches`]).
+    pub fn start_part(&self, batches: Range<u32>) -> State {
+        self.state(Some(batches))
+    }
+
+    fn state(&self, part: Option<Range<u32>>) -> State {
+        let Bench { settings, light, .. } = &self.bench;
+        let goal = settings.goal.filter(|_| part.is_none());
+        State::new(Course::new(goal, settings.trees, light.incidences.len()), part, self.seconds, 0)
+    }
+
+    /// Traces what is still to be traced of `state`, until all is done or `watch` says `false`.
+    pub fn advance(&self, state: &mut State, watch: impl FnMut(Progress, &State) -> bool) {
+        state.aim(self.bench.settings.goal);
+        gather::advance(&self.bench, &self.plan, state, watch);
+    }
+
+    /// What came out, of a state in which all is traced: of these incidences, if there are not all
+    /// ([`State::join`]).
+    pub fn outcome(self, state: &State, incidences: Option<&[usize]>) -> Outcome {
+        let Bench { sample, light, settings, .. } = self.bench;
+        let light = &incidences.map_or_else(|| light.clone(), |some| light.only(some));
+        let (plan, measurements, [seconds, tracing_seconds]) = (self.plan, state.measurements(), state.times());
+        let (stacks, ending) = (state.stacks().clone(), state.ending());
+        let straight = |i| apart::straight_deg(sample, &plan, i);
+        let straight: Vec<Vec<f64>> = light.incidences.iter().map(straight).collect();
+        let bsdf = Bsdf::new(light, measurements, &straight, &plan, &sample.groups.names, &Rule::default());
+        let scans = settings.arm.iter().flat_map(|arm| bsdf.scans(arm, measurements, &plan)).collect();
+        let grids = Bsdf::grids(measurements, &plan);
+        Outcome { bsdf, grids, scans, plan, stacks, ending, seconds, tracing_seconds }
+    }
+}
+
 /// Measures `sample` under `light`; `watch` is told how far the work is.
 ///
 /// # Errors
@@ -166,22 +230,17 @@ pub fn measure(
     sample: &Sample,
     light: &Light,
     settings: &Settings,
-    watch: impl FnMut(Progress),
+    mut watch: impl FnMut(Progress),
 ) -> Result<Outcome, Error> {
     let start = Instant::now();
-    let bench = Bench::new(sample, light, settings)?;
-    let plan = bench.plan();
-    let kernel = bench.kernel(&plan);
-    let tracing = Instant::now();
-    let gathered = with_kernel(plan.kernel, Gather::new(&bench, &kernel, start, watch));
-    let tracing_seconds = tracing.elapsed().as_secs_f64();
-    let straight = |i| apart::straight_deg(sample, &plan, i);
-    let straight: Vec<Vec<f64>> = light.incidences.iter().map(straight).collect();
-    let bsdf = Bsdf::new(light, &gathered.measurements, &straight, &plan, &sample.groups.names, &Rule::default());
-    let scans = settings.arm.iter().flat_map(|arm| bsdf.scans(arm, &gathered.measurements, &plan)).collect();
-    let grids = Bsdf::grids(&gathered.measurements, &plan);
-    let (stacks, ending) = (gathered.stacks, gathered.ending);
-    Ok(Outcome { bsdf, grids, scans, plan, stacks, ending, seconds: start.elapsed().as_secs_f64(), tracing_seconds })
+    let experiment = Experiment::new(sample, light, settings)?;
+    let mut state = experiment.start();
+    experiment.advance(&mut state, |progress, _| {
+        watch(progress);
+        true
+    });
+    let outcome = experiment.outcome(&state, None);
+    Ok(Outcome { seconds: start.elapsed().as_secs_f64(), ..outcome })
 }
 
 #[cfg(test)]

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
+use super::sealed::{Key, key_of};
 use super::{Outcome, Settings};
 use crate::bsdf::Ledger;
 use crate::dome::Estimate;
+use crate::intersect::choose::Backend;
 use crate::light::Light;
 use crate::output::{EffectUsed, Measured, Provenance, StackHits, UsedBackend, Validity};
 use crate::sample::Sample;
@@ -19,6 +21,14 @@ pub struct Origin {
     pub files: Vec<PathBuf>,
     /// SHA-256 of their contents.
     pub sha256: String,
+}
+
+impl Origin {
+    /// What a result depends on: the version of the program, who intersects, the command, and the files of the sample.
+    pub fn key(&self, backend: Backend) -> Key {
+        let version = env!("CARGO_PKG_VERSION");
+        key_of(&[version, backend.name(), &backend.version(), &self.command, &self.sha256])
+    }
 }
 
 /// Layers of a stack that are listed.
@@ -57,6 +67,7 @@ impl Outcome {
             effects: plan.effects.into_iter().map(effect).collect(),
             validity,
             stacks: stack_hits(sample, &stacks, trees),
+            incomplete: None,
         };
         Measured { bsdf, provenance }
     }

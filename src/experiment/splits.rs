@@ -3,13 +3,12 @@
 //! Following both takes more work and leaves less to chance. Which counts for more depends on the sample: behind the first
 //! interface of a glass sphere the faint reflections carry most of the noise; in a thick packing nothing is gained.
 
-use std::time::Instant;
-
-use super::gather::Gather;
+use super::course::Course;
+use super::gather::advance;
+use super::state::State;
 use super::{BATCHES, Bench, Settings};
 use crate::dome::{Measurement, Noise, RESOLUTION};
 use crate::plan::{Limits, Plan};
-use crate::trace::with_kernel;
 
 /// What is tried, the least work first.
 const CANDIDATES: [u32; 6] = [1, 2, 3, 4, 6, 8];
@@ -51,8 +50,8 @@ pub fn choose(bench: &Bench<'_>, mut plan: Plan) -> Plan {
     }
     let scores = scores(&trials);
     let least = scores.iter().copied().fold(f64::INFINITY, f64::min);
-    let equal = trials.iter().zip(scores).filter(|(_, score)| *score > 0.0 && *score <= EQUAL * least);
-    plan.limits.splits = equal.last().map(|(trial, _)| trial.splits);
+    let mut equal = trials.iter().zip(scores).filter(|(_, score)| *score > 0.0 && *score <= EQUAL * least);
+    plan.limits.splits = equal.next_back().map(|(trial, _)| trial.splits);
     plan
 }
 
@@ -66,9 +65,10 @@ struct Trial {
 
 impl Trial {
     fn new(bench: &Bench<'_>, plan: &Plan, splits: u32) -> Self {
-        let kernel = bench.kernel(plan);
-        let gather = Gather::new(bench, &kernel, Instant::now(), |_| {}).from_scramble(FIRST_SCRAMBLE);
-        let measurements = with_kernel(plan.kernel, gather).measurements;
+        let course = Course::new(None, bench.settings.trees, bench.light.incidences.len());
+        let mut state = State::new(course, None, 0.0, FIRST_SCRAMBLE);
+        advance(bench, plan, &mut state, |_, _| true);
+        let measurements = state.measurements();
         let segments = measurements.iter().map(|m| m.segments() as f64).sum();
         Self { splits, segments, noises: measurements.iter().map(Measurement::noises).collect() }
     }

@@ -21,6 +21,14 @@ pub struct Light {
     pub source: SourceMode,
 }
 
+impl Light {
+    /// The same from these directions only.
+    #[must_use]
+    pub fn only(&self, incidences: &[usize]) -> Self {
+        Self { incidences: incidences.iter().map(|&i| self.incidences[i]).collect(), ..self.clone() }
+    }
+}
+
 /// A grid of vacuum wavelengths, ascending.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wavelengths {

@@ -44,6 +44,9 @@ pub struct Provenance {
     pub validity: Validity,
     /// Stacks of films that were met.
     pub stacks: Vec<StackHits>,
+    /// What is missing, of a result that was put together before all of it was there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub incomplete: Option<String>,
 }
 
 /// An intersection backend.

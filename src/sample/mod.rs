@@ -21,6 +21,7 @@ mod solid;
 pub mod tiling;
 
 pub use description::Description;
+pub use file::Replacement;
 pub use flat::Sample;
 pub use groups::Groups;
 pub use media_list::{MediumId, MediumTable};

@@ -44,6 +44,16 @@ impl Source {
         Self::new(Path::new(""), text.into())
     }
 
+    /// All of it.
+    pub fn as_text(&self) -> &str {
+        &self.text
+    }
+
+    /// The same file with another text.
+    pub fn with_text(self, text: String) -> Self {
+        Self::new(&self.path, text)
+    }
+
     fn new(path: &Path, text: String) -> Self {
         let ends = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
         Self { path: path.into(), text, ends, problems: RefCell::default(), named: RefCell::default() }

@@ -2,17 +2,19 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::optics::batch::Film;
 
 /// Stacks by the sequence of their media.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stacks {
     known: BTreeMap<Vec<u16>, Met>,
     key: Vec<u16>,
 }
 
 /// All stacks of one sequence of media.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Met {
     /// How often.
     pub hits: u64,

@@ -147,6 +147,7 @@ pub fn measured(bsdf: Bsdf) -> Measured {
         effects: Vec::new(),
         validity,
         stacks: Vec::new(),
+        incomplete: None,
     };
     Measured { bsdf, provenance }
 }

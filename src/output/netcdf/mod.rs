@@ -117,6 +117,7 @@ mod tests {
                 edges: "column".into(),
             },
             stacks: Vec::new(),
+            incomplete: None,
         };
         Measured {
             bsdf: Bsdf {

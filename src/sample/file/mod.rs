@@ -1,5 +1,6 @@
 //! The sample file (TOML).
 
+mod edit;
 mod media;
 mod objects;
 mod relief;
@@ -18,13 +19,28 @@ use crate::units::LengthUnit;
 use media::read_media;
 use objects::read_object;
 
+pub use edit::Replacement;
+
 impl Description {
     /// Reads a sample file.
     ///
     /// # Errors
     /// Everything that is wrong with it.
     pub fn from_toml(path: &Path) -> Result<Self, Problems> {
-        read_source(Source::read(path)?, path).map(|(description, _)| description)
+        Self::from_toml_with(path, &[])
+    }
+
+    /// The same with some values replaced. What is wrong with those that stand in their place is told as if it stood there.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub fn from_toml_with(path: &Path, replacements: &[Replacement]) -> Result<Self, Problems> {
+        let source = Source::read(path)?;
+        if replacements.is_empty() {
+            return read_source(source, path).map(|(description, _)| description);
+        }
+        let text = edit::replace(source.as_text(), replacements).map_err(|e| Place::file(path).problem(e))?;
+        read_source(source.with_text(text), path).map(|(description, _)| description)
     }
 
     /// Reads the text of a sample file that is not written yet, with what generates its bodies.

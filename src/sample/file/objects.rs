@@ -66,19 +66,7 @@ fn read_cylinder(t: &Table<'_>) -> Option<Shape> {
     let radius = t.positive_length("radius").or_else(|| t.missing_if_absent("radius", "10"));
     let inner = t.positive_length("inner_radius");
     let inner_medium = named(t, "inner_medium");
-    let flatten = t.table("flatten").and_then(|f| {
-        let axis = f.direction("axis").or_else(|| f.missing_if_absent("axis", "[0, 0, 1]"));
-        let ratio = f.number("ratio").or_else(|| f.missing_if_absent("ratio", "0.5"));
-        f.refuse_unknown_keys();
-        let ratio = ratio.filter(|&r| {
-            let fine = r > 0.0 && r <= 1.0;
-            if !fine {
-                f.complain(format!("ratio = {r}: expected the thickness over the width, above 0 and at most 1"));
-            }
-            fine
-        });
-        Some((axis?, ratio?))
-    });
+    let flatten = read_flatten(t);
     let caps = t.boolean("caps").unwrap_or(true);
     let (from, to, radius) = (from?, to?, radius?);
     let Some(along) = (to - from).try_normalize() else {
@@ -103,6 +91,26 @@ fn read_cylinder(t: &Table<'_>) -> Option<Shape> {
         (None, None) => None,
     };
     Some(Shape::Cylinder(Fibre { from, to, radius, lumen, flatten, caps }))
+}
+
+/// The direction of flattening and the thickness over the width, which may stand alone: then it is flattened from above.
+fn read_flatten(t: &Table<'_>) -> Option<(DVec3, f64)> {
+    if t.get("flatten")?.get_ref().is_table() {
+        let table = t.table("flatten")?;
+        let axis = table.direction("axis").or_else(|| table.missing_if_absent("axis", "[0, 0, 1]"));
+        let ratio = table.number("ratio").or_else(|| table.missing_if_absent("ratio", "0.5"));
+        table.refuse_unknown_keys();
+        return Some((axis?, fit_ratio(&table, "ratio", ratio?)?));
+    }
+    Some((DVec3::Z, fit_ratio(t, "flatten", t.number("flatten")?)?))
+}
+
+fn fit_ratio(t: &Table<'_>, key: &str, ratio: f64) -> Option<f64> {
+    if ratio > 0.0 && ratio <= 1.0 {
+        return Some(ratio);
+    }
+    t.complain(format!("{key} = {ratio}: expected the thickness over the width, above 0 and at most 1"));
+    None
 }
 
 fn read_box(t: &Table<'_>) -> Option<Shape> {
