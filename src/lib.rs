@@ -61,6 +61,7 @@ pub mod experiment;
 pub mod films;
 pub mod geometry;
 pub mod intersect;
+pub mod jobs;
 pub mod light;
 pub mod media;
 pub mod optics;

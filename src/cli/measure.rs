@@ -7,14 +7,14 @@ use gonio_embree::output::{summary, table};
 
 use super::progress::{Line, duration};
 use super::stop::Stop;
-use super::work::{self, Done, Work};
+use super::work::{Done, Order, Work};
 use super::{Failure, answer, tell};
 
 /// Options of a measurement, and what is shown of it.
 #[derive(Debug, Args)]
 pub struct Options {
     #[command(flatten)]
-    work: work::Options,
+    work: Order,
     /// Print one JSON document instead of the table
     #[arg(long, help_heading = "Output")]
     json: bool,

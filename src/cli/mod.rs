@@ -1,6 +1,7 @@
 //! The command line: what the user typed becomes a measurement, and the outcome an exit code.
 
 mod accuracy;
+mod batch;
 mod compare;
 mod explain;
 mod export;
@@ -57,6 +58,18 @@ enum Command {
     Explain(explain::Options),
     /// What accuracy costs in time: each setting against the truth
     Accuracy(accuracy::Options),
+    /// Measure everything that a job file asks for, on this machine
+    Batch(batch::run::Options),
+    /// Cut a job file into shards, to be traced on several machines
+    Plan(batch::plan::Options),
+    /// Trace one shard of a plan
+    Run(batch::shard::Options),
+    /// Which shards of a plan are done, running or missing
+    Status(batch::status::Options),
+    /// Put the shards of a plan together: the same files as if one machine had measured all
+    Merge(batch::merge::Options),
+    /// Scripts that run a plan under Slurm: the shards as an array, then the merge
+    SlurmScript(batch::slurm::Options),
     /// What a detector reads that goes through the plane of incidence, from a result or from the sample itself
     Scan(scan::Options),
     /// Whether two results differ by more than chance
@@ -130,6 +143,12 @@ pub fn run() -> ExitCode {
         Some(Command::Film(options)) => film::run(options),
         Some(Command::Explain(options)) => explain::run(options),
         Some(Command::Accuracy(options)) => accuracy::run(options),
+        Some(Command::Batch(options)) => batch::run::run(options),
+        Some(Command::Plan(options)) => batch::plan::run(options),
+        Some(Command::Run(options)) => batch::shard::run(options),
+        Some(Command::Status(options)) => batch::status::run(options),
+        Some(Command::Merge(options)) => batch::merge::run(options),
+        Some(Command::SlurmScript(options)) => batch::slurm::run(options),
         Some(Command::Scan(options)) => scan::run(options),
         Some(Command::Compare(options)) => compare::run(options),
         Some(Command::Plot(options)) => picture::run(options),

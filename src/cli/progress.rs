@@ -25,7 +25,8 @@ impl Line {
         self.put(|| text(progress, incidences));
     }
 
-    fn put(&mut self, text: impl FnOnce() -> String) {
+    /// Shows a text, unless another was shown a moment ago.
+    pub fn put(&mut self, text: impl FnOnce() -> String) {
         let pause = Duration::from_millis(if self.terminal { 100 } else { 5000 });
         if self.quiet || self.shown.elapsed() < pause {
             return;

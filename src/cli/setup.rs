@@ -130,6 +130,14 @@ pub struct Setup {
     seed: u64,
 }
 
+/// All that may be used: what a queue has given, or all cores.
+pub fn all_threads() -> usize {
+    let given = |name| std::env::var(name).ok().and_then(|n| n.parse().ok()).filter(|&n: &usize| n > 0);
+    // Slurm tells of cores in one of two ways, and does not keep programs from seeing more.
+    let of_queue = ["SLURM_CPUS_PER_TASK", "SLURM_CPUS_ON_NODE"].into_iter().find_map(given);
+    of_queue.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
+}
+
 fn values(given: &Option<Values>, default: &str) -> Result<Values, Failure> {
     given.clone().map_or_else(|| default.parse().map_err(Failure::Input), Ok)
 }
@@ -157,6 +165,11 @@ impl Setup {
         let is_mesh = path.as_ref().is_some_and(|p| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")));
         let (mesh, sample) = if is_mesh { (path, None) } else { (None, path) };
         Self { mesh, sample, ..self.clone() }
+    }
+
+    /// On so many threads, unless it says itself.
+    pub fn use_threads(&mut self, threads: usize) {
+        self.threads = self.threads.or(u16::try_from(threads).ok());
     }
 
     /// What shines on the sample.
@@ -233,7 +246,7 @@ impl Setup {
             trees: if goal.is_some() { default.trees } else { self.trees.0 },
             goal,
             seed: self.seed,
-            threads: self.threads.map_or(default.threads, usize::from),
+            threads: self.threads.map_or_else(all_threads, usize::from),
             backend: self.backend,
             dome_level: self.dome_level,
             options: plan::Options {

@@ -10,7 +10,13 @@ use super::{STOPPED, tell};
 
 /// Whether somebody wants the program to end.
 #[derive(Clone, Debug, Default)]
-pub struct Stop(Arc<AtomicBool>);
+pub struct Stop(Arc<Asked>);
+
+#[derive(Debug, Default)]
+struct Asked {
+    asked: AtomicBool,
+    for_time: AtomicBool,
+}
 
 /// By then it has ended, whatever it is doing; queues give no more than five seconds.
 const PATIENCE: Duration = Duration::from_millis(4500);
@@ -27,8 +33,9 @@ impl Stop {
             let asked = stop.clone();
             thread::spawn(move || {
                 let mut signals = signals.forever();
-                signals.next();
-                asked.0.store(true, Ordering::Relaxed);
+                let first = signals.next();
+                asked.0.for_time.store(first == Some(SIGUSR1), Ordering::Relaxed);
+                asked.0.asked.store(true, Ordering::Relaxed);
                 thread::spawn(|| end_after(PATIENCE));
                 // Queues repeat themselves; people mean it.
                 if signals.any(|signal| signal == SIGINT) {
@@ -41,7 +48,12 @@ impl Stop {
 
     /// Whether it is time to stop.
     pub fn is_asked(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.0.asked.load(Ordering::Relaxed)
+    }
+
+    /// Whether it is because the time that a queue gives is nearly over (SIGUSR1).
+    pub fn is_for_time(&self) -> bool {
+        self.0.for_time.load(Ordering::Relaxed)
     }
 }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::Args;
 use gonio_embree::bsdf::Bsdf;
 use gonio_embree::experiment::sealed::Key;
-use gonio_embree::experiment::{Ending, Experiment, Goal, Origin, Outcome, Progress, Settings, State};
+use gonio_embree::experiment::{Ending, Experiment, Goal, Origin, Outcome, Progress, Settings, State, Target};
 use gonio_embree::output::{Measured, atomic, netcdf, summary};
 use gonio_embree::plot;
 use gonio_embree::units::{self, significant};
@@ -19,7 +19,7 @@ use super::{Failure, write};
 
 /// A measurement and its result.
 #[derive(Clone, Debug, Args)]
-pub struct Options {
+pub struct Order {
     #[command(flatten)]
     pub setup: Setup,
     /// Largest share of the light that may be lost before the exit code is 1
@@ -49,7 +49,7 @@ impl std::str::FromStr for Interval {
     }
 }
 
-impl Options {
+impl Order {
     /// The result.
     pub fn output(&self) -> PathBuf {
         let stem = || PathBuf::from(self.setup.input().file_stem().unwrap_or_default()).with_extension("nc");
@@ -82,7 +82,7 @@ pub struct Done {
 
 impl Work {
     /// Reads the sample, and looks whether the result can be written.
-    pub fn new(options: &Options) -> Result<Self, Failure> {
+    pub fn new(options: &Order) -> Result<Self, Failure> {
         let mut scene = options.setup.scene()?;
         let origin = options.setup.origin(std::mem::take(&mut scene.files))?;
         let (output, max_lost) = (options.output(), options.max_lost);
@@ -162,7 +162,21 @@ impl Work {
         done.run.goal.map_or(Ok(()), |(goal, ending)| reached(&goal, &ending, &done.measured.bsdf, done.run.seconds))
     }
 
-    fn gate(&self, measured: &Measured) -> Result<(), Failure> {
+    /// Whether a result that was there before has the error that is asked for.
+    pub fn has_reached(&self, measured: &Measured) -> bool {
+        let target = self.settings.goal.and_then(|g| g.target);
+        let reached = |t: Target| measured.bsdf.incidences.iter().all(|s| t.of(&s.derived.precision) <= t.error());
+        target.is_none_or(reached)
+    }
+
+    /// Draws the picture of a result that was there before, if it has none.
+    pub fn draw_if_missing(&self, measured: &Measured) -> Result<(), Failure> {
+        let picture = self.picture();
+        if picture.exists() { Ok(()) } else { write(&picture, plot::measurement(measured).as_bytes()) }
+    }
+
+    /// Whether not too much light was lost.
+    pub fn gate(&self, measured: &Measured) -> Result<(), Failure> {
         let lost = measured.bsdf.largest_loss();
         if lost <= self.max_lost {
             return Ok(());

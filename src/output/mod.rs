@@ -14,6 +14,7 @@ pub mod plan;
 pub mod report;
 pub mod scan;
 pub mod summary;
+pub mod sweep;
 pub mod table;
 
 pub use measured::{EffectUsed, Measured, Provenance, StackHits, UsedBackend, Validity, sha256_of_files};

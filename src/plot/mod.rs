@@ -9,6 +9,7 @@ mod panel;
 mod png;
 mod scan;
 mod spectra;
+mod sweep;
 
 pub use accuracy::accuracy;
 pub use colours::colours;
@@ -17,6 +18,7 @@ pub use material::{IndexCurve, material};
 pub use panel::{Curve, Panel};
 pub use png::png;
 pub use scan::{overlaid, scans};
+pub use sweep::sweep;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;

@@ -14,7 +14,7 @@ pub mod obj;
 mod overlap;
 mod parts;
 pub mod problem;
-mod reader;
+pub(crate) mod reader;
 pub mod relief;
 mod repeats;
 mod solid;

@@ -83,6 +83,11 @@ impl Source {
         files
     }
 
+    /// The text of a byte range.
+    pub fn slice(&self, span: &Range<usize>) -> &str {
+        &self.text[span.clone()]
+    }
+
     /// The line of a byte range.
     pub fn place(&self, span: &Range<usize>) -> Place {
         Place::line(&self.path, 1 + self.ends.partition_point(|&end| end < span.start))
