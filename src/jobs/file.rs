@@ -43,6 +43,13 @@ pub struct Job {
 /// Most measurements of a file.
 const MOST: usize = 100_000;
 
+/// Options of which one list excludes the other: what a measurement says itself counts for more than what is usual.
+const EXCLUSIVE: [[&[&str]; 2]; 3] = [
+    [&["trees"], &["target-error", "max-time", "max-rounds"]],
+    [&["sample"], &["mesh", "unit", "sides", "patch", "medium"]],
+    [&["source-mode"], &["coherence-length"]],
+];
+
 /// Something that is set in a file, with where it stands.
 #[derive(Clone, Debug)]
 struct Given {
@@ -154,10 +161,14 @@ impl Entry {
 
     /// With `others` where nothing is said.
     fn over(self, others: &Self) -> Self {
-        let said: BTreeSet<String> =
-            self.set.iter().chain(&self.vary).chain(&self.options).map(|g| g.key.clone()).collect();
+        let all = self.set.iter().chain(&self.vary).chain(&self.options);
+        let said: BTreeSet<String> = all.map(|given| given.key.clone()).collect();
+        let excluded = |key: &str| {
+            let by = |[a, b]: &[&[&str]; 2]| a.contains(&key) && b.iter().any(|other| said.contains(*other));
+            said.contains(key) || EXCLUSIVE.iter().any(|pair| by(pair) || by(&[pair[1], pair[0]]))
+        };
         let join = |own: Vec<Given>, others: &[Given]| -> Vec<Given> {
-            others.iter().filter(|g| !said.contains(&g.key)).cloned().chain(own).collect()
+            others.iter().filter(|g| !excluded(&g.key)).cloned().chain(own).collect()
         };
         Self {
             options: join(self.options, &others.options),

@@ -88,8 +88,8 @@ fn label(sweep: &Sweep, row: &Row, without: Option<usize>) -> String {
         let last = key.rsplit('.').next().unwrap_or_default();
         parts.extend(sweep.value(row, i).map(|value| format!("{last} {value}")));
     }
-    let first = &sweep.rows[0];
-    if sweep.rows.iter().any(|r| (r.theta_deg, r.phi_deg) != (first.theta_deg, first.phi_deg)) {
+    let other = |r: &Row| r.name == row.name && (r.theta_deg, r.phi_deg) != (row.theta_deg, row.phi_deg);
+    if sweep.rows.iter().any(other) {
         parts.push(format!("{}°, {}°", row.theta_deg, row.phi_deg));
     }
     parts.join(", ")
