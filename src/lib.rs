@@ -16,7 +16,7 @@
 //!                                             └ optics
 //! ```
 //!
-//! [`films`] is a side room: stacks by themselves, solved without a sample.
+//! [`films`] is a side room: stacks by themselves, solved without a sample. [`jobs`] is another: many measurements, written down.
 //!
 //! [`experiment::measure`] walks the whole way:
 //!

@@ -251,7 +251,7 @@ fn what_is_killed_goes_on() {
 #[test]
 #[ignore = "slow: cargo test --release --test cli_batch -- --ignored (a minute)"]
 fn fifty_kills_change_nothing() {
-    killed("batch-killed-often", "1M", 50);
+    killed("batch-killed-often", "300k", 50);
 }
 
 #[test]

@@ -143,6 +143,23 @@ fn the_commands_of_the_guide_work() {
 }
 
 #[test]
+fn the_commands_for_many_measurements_work() {
+    let desk = Desk::new("batch");
+    // Where there is no GNU parallel, one after the other.
+    let is_there = Command::new("parallel").arg("--version").output().is_ok();
+    let one_by_one = "for i in 0 1 2 3; do gonio-embree run night.plan.json --shard $i/4; done";
+    let printed = desk.follow(&read("docs/batch.md"), |command| {
+        if command.contains("parallel") && !is_there { one_by_one.into() } else { command.into() }
+    });
+    assert!(printed.contains("5 measurements, about") && printed.contains("5 measurements from 4 shards"), "{printed}");
+    for file in
+        ["night-table.csv", "night-table.nc", "night-table.svg", "night/feather.nc", "night/web-0.5-2.svg", "submit.sh"]
+    {
+        assert!(desk.0.join(file).is_file(), "{file}");
+    }
+}
+
+#[test]
 fn the_commands_of_the_readme_work() {
     let desk = Desk::new("readme");
     // The reader's own sample.
@@ -161,7 +178,7 @@ fn the_commands_of_the_readme_work() {
 
 #[test]
 fn links_of_the_documents_lead_to_files() {
-    for name in ["README.md", "docs/guide.md", "docs/conventions.md", "docs/accuracy.md"] {
+    for name in ["README.md", "docs/guide.md", "docs/conventions.md", "docs/accuracy.md", "docs/batch.md"] {
         let text = read(name);
         let folder = Path::new(HOME).join(name).parent().unwrap().to_owned();
         for target in links(&text) {

@@ -76,9 +76,4 @@ impl Checkpoint {
             tell(&format!("warning: {}: cannot be removed: {e}", self.path.display()));
         }
     }
-
-    /// Where it is.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
 }

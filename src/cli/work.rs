@@ -124,13 +124,7 @@ impl Work {
             return checkpoint.stop(&state);
         }
         let done = self.done(experiment.outcome(&state, None), None);
-        if let Err(e) = self.write(&done) {
-            // What has taken so long to measure is not lost because a disk is full.
-            return checkpoint.stop::<Done>(&state).map_err(|kept| match kept {
-                Failure::Stopped(_) => Failure::Cannot(format!("{e}; {} is kept", checkpoint.path().display())),
-                _ => e,
-            });
-        }
+        self.write(&done).map_err(|e| self.rescue(&e, &checkpoint, &state, &done))?;
         checkpoint.remove();
         Ok(done)
     }
@@ -154,6 +148,22 @@ impl Work {
         let bytes = netcdf::to_bytes(&done.measured).map_err(|e| Failure::Cannot(e.to_string()))?;
         write(&self.output, &bytes)?;
         write(&done.picture, plot::measurement(&done.measured).as_bytes())
+    }
+
+    /// What has taken so long to measure is not lost because a disk is full: it is kept beside the result, or else where there
+    /// is room.
+    fn rescue(&self, why: &Failure, checkpoint: &Checkpoint, state: &State, done: &Done) -> Failure {
+        if let Err(Failure::Stopped(_)) = checkpoint.stop::<()>(state) {
+            let told = "what is traced is kept, and the same command will write it";
+            return Failure::Cannot(format!("{why}; {told}"));
+        }
+        let name = self.output.file_name().unwrap_or_default().to_string_lossy();
+        let elsewhere = std::env::temp_dir().join(format!("rescued-{}-{name}", std::process::id()));
+        let bytes = netcdf::to_bytes(&done.measured).unwrap_or_default();
+        match write(&elsewhere, &bytes) {
+            Ok(()) => Failure::Cannot(format!("{why}; the result is in {}", elsewhere.display())),
+            Err(_) => Failure::Cannot(why.to_string()),
+        }
     }
 
     /// Whether a result is as good as it has to be.
