@@ -44,7 +44,7 @@ mod embree {
         for name in ["GONIO_EMBREE", "EMBREE_DIR", "GONIO_EMBREE_DIR", "CPATH", "LIBCLANG_PATH"] {
             println!("cargo::rerun-if-env-changed={name}");
         }
-        for file in ["build.rs", "ffi/shim.c", "ffi/shim.h"] {
+        for file in ["build.rs", "ffi/bare.c", "ffi/shim.c", "ffi/shim.h"] {
             println!("cargo::rerun-if-changed={file}");
         }
         let wish = wish();
@@ -178,7 +178,7 @@ mod embree {
 
     fn link(found: &Installed) {
         cc::Build::new()
-            .file("ffi/shim.c")
+            .files(["ffi/shim.c", "ffi/bare.c"])
             .include(&found.include)
             .define("GONIO_EMBREE_MAJOR", found.major.to_string().as_str())
             .warnings(true)

@@ -163,10 +163,9 @@ fn what_is_wrong_with_a_job_file_is_told() {
 
 /// A batch that takes some seconds.
 fn long_jobs(desk: &Desk, trees: &str) {
-    desk.write(
-        "jobs.toml",
-        &JOBS.replace("\"2k\"", &format!("\"{trees}\"\ncheckpoint = \"0.2s\"")).replace("\"10%\"", "\"3%\""),
-    );
+    let jobs = JOBS.replace("\"2k\"", &format!("\"{trees}\"\ncheckpoint = \"0.2s\"")).replace("\"10%\"", "\"3%\"");
+    let sixth = "[[measurement]]\nname = \"small\"\nsample = \"ball.toml\"\nset.objects.ball.radius = 2\n";
+    desk.write("jobs.toml", &(jobs + sixth));
 }
 
 #[cfg(unix)]

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::stream::{Slot, Stream};
+use crate::geometry::Query;
 use crate::optics::field::Field;
 
 /// Where power went that left nobody: each kind is its own entry of the energy ledger.
@@ -66,6 +67,8 @@ pub trait Recorder<F> {
     /// Power of a lane met, for the first time on its way, a stack of films so near to its edge that light in it would get
     /// there.
     fn edge(&mut self, _lane: u16, _power: f64) {}
+    /// The nearest interfaces of these rays are searched for.
+    fn search(&mut self, _queries: &[Query], _which: &[usize]) {}
     /// Segments were traced.
     fn segments(&mut self, _count: usize) {}
 }

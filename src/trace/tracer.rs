@@ -74,6 +74,7 @@ impl<'k, 'a, F: Field, E: Effects> Tracer<'k, 'a, F, E> {
         self.launch(incidence, polarization, entries);
         let mut coherence = Coherence::Coherent;
         while !self.asked.is_empty() {
+            recorder.search(&self.stream.queries, &self.asked);
             let Stream { queries, answers, .. } = &mut self.stream;
             self.kernel.scene.nearest(queries, &self.asked, coherence, answers);
             coherence = Coherence::Scattered;

@@ -8,7 +8,10 @@
 //! This folder and `ffi/` are the only places with `unsafe` code.
 #![allow(unsafe_code, reason = "the C library is called here and nowhere else")]
 
+mod bare;
 mod sys;
+
+pub use bare::Bare;
 
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr;

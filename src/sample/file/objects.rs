@@ -100,7 +100,8 @@ fn read_flatten(t: &Table<'_>) -> Option<(DVec3, f64)> {
         let axis = table.direction("axis").or_else(|| table.missing_if_absent("axis", "[0, 0, 1]"));
         let ratio = table.number("ratio").or_else(|| table.missing_if_absent("ratio", "0.5"));
         table.refuse_unknown_keys();
-        return Some((axis?, fit_ratio(&table, "ratio", ratio?)?));
+        let ratio = ratio.and_then(|ratio| fit_ratio(&table, "ratio", ratio));
+        return Some((axis?, ratio?));
     }
     Some((DVec3::Z, fit_ratio(t, "flatten", t.number("flatten")?)?))
 }
