@@ -87,7 +87,8 @@ fn main() {
         "", "backend", "threads", "Mpaths/s", "Mseg/s", "seg/path", "vs 1 thr"
     );
     for case in cases {
-        for backend in Backend::available().into_iter().filter(|b| *b != Backend::Brute) {
+        let grid = case.name.contains("spheres").then_some(Backend::Grid);
+        for backend in Backend::available().into_iter().filter(|b| *b != Backend::Brute).chain(grid) {
             let mut alone = 0.0;
             for threads in [1, 2] {
                 let (paths, segments) = rate(&case, backend, threads);

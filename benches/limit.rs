@@ -58,7 +58,7 @@ mod limit {
 
     /// Rays of some trees, in the order in which they are searched for.
     fn record(sample: &Sample, light: &Light, options: &Options) -> Vec<[f32; 8]> {
-        let scene = Scene::new(sample.primitives.clone(), sample.domain, Backend::auto()).unwrap();
+        let scene = Scene::new(sample.primitives.clone(), sample.domain, Backend::Auto).unwrap();
         let plan = Plan::new(sample, light, options);
         let kernel = Kernel::new(sample, &scene, &plan, light);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
@@ -81,6 +81,11 @@ mod limit {
     }
 
     pub fn case(name: &str, description: &Description, wavelengths: usize, limits: Limits) {
+        // Some cases only: cargo bench --bench limit -- feather
+        let mut wanted = std::env::args().skip(1).filter(|a| !a.starts_with("--")).peekable();
+        if wanted.peek().is_some() && !wanted.any(|w| name.contains(&w)) {
+            return;
+        }
         let light = light(wavelengths);
         let start = Instant::now();
         let sample = Sample::new(description, &light.wavelengths, light.coherence()).unwrap();
@@ -88,7 +93,7 @@ mod limit {
         let options = Options { limits, ..Options::default() };
         let rays = record(&sample, &light, &options);
         let bare = Bare::new(&sample.primitives);
-        let settings = |threads| Settings { trees: 200_000, threads, options: options.clone(), ..Settings::default() };
+        let settings = |threads| Settings { trees: 200_000, threads, options, ..Settings::default() };
         let (mut raw, mut whole, mut both) = (0.0f64, [0.0f64; 2], 0.0f64);
         // Alternating, and the best of each: what else the machine does passes by.
         for _ in 0..3 {

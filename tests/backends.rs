@@ -26,6 +26,9 @@ struct Case {
 
 type Aim = Box<dyn Fn(&mut Xoshiro256PlusPlus) -> DVec3 + Send + Sync>;
 
+/// A case for which there is one backend more.
+const PACKED: &str = "packed spheres";
+
 /// A case whose body has no end, so that lines through it need not leave it.
 const ENDLESS: &str = "endless cylinder";
 
@@ -139,6 +142,23 @@ fn cases() -> Vec<Case> {
                     .add_to(b, 20);
             },
         ),
+        build(
+            PACKED,
+            |r| {
+                // Touching points, and lines along the lattice, at its tangents too.
+                let node = DVec3::from_array(std::array::from_fn(|_| f64::from(r.random_range(-3..4))));
+                let half = pick(r, &[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::splat(1.0)]) * 0.5;
+                node + half
+            },
+            |b| {
+                let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
+                for i in 0..343 {
+                    let node = DVec3::new(f64::from(i % 7), f64::from(i / 7 % 7), f64::from(i / 49)) - 3.0;
+                    let radius = if i % 3 == 0 { 0.5 } else { 0.25 + 0.25 * rng.random::<f64>() };
+                    b.add(Shape::Sphere(Sphere { center: node, radius }), i as u32);
+                }
+            },
+        ),
         build("everything", in_cube, move |b| {
             Mesh::ball(2).map(|p| 0.3 * p + DVec3::new(0.5, 0.5, 0.5)).add_to(b, 0);
             b.add(Shape::Sphere(Sphere { center: DVec3::new(-0.5, 0.5, 0.2), radius: 0.4 }), 1);
@@ -202,8 +222,10 @@ fn run(rays_per_case: usize) {
     cases().into_par_iter().for_each(|case| {
         let domain = Aabb { min: DVec3::splat(-20.0), max: DVec3::splat(20.0) };
         let domain = if case.name == ENDLESS { domain } else { Aabb::INFINITE };
-        let scenes: Vec<Scene> =
-            Backend::available().into_iter().map(|b| Scene::new(case.primitives.clone(), domain, b).unwrap()).collect();
+        let is_packed = Backend::Auto.fit(&case.primitives, domain) == Backend::Grid;
+        assert_eq!(is_packed, case.name == PACKED);
+        let backends = is_packed.then_some(Backend::Grid).into_iter().chain(Backend::available());
+        let scenes: Vec<Scene> = backends.map(|b| Scene::new(case.primitives.clone(), domain, b).unwrap()).collect();
         let (brute, others) = scenes.split_last().unwrap();
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(7);
         let mut met = 0;

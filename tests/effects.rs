@@ -50,7 +50,7 @@ impl Job for Hear<'_> {
 
     fn run<F: Field, E: Effects>(self) -> Self::Yield {
         let Self { plan, sample, light } = self;
-        paths(&listen_with::<F, E>(plan, sample, light, Backend::auto(), &entries(3, 400)))
+        paths(&listen_with::<F, E>(plan, sample, light, Backend::Auto, &entries(3, 400)))
     }
 }
 
@@ -105,8 +105,8 @@ fn power_alone_is_exact_where_light_meets_one_interface() {
     let plan = Plan::new(&sample, &light, &Options::default());
     assert_eq!((plan.kernel.state, plan.lanes.len()), (State::Power, 3));
     let [power, stokes] = [
-        paths(&listen_to::<Power>(&plan, &sample, &light, Backend::auto(), &entries(3, 50))),
-        paths(&listen_to::<Stokes>(&plan, &sample, &light, Backend::auto(), &entries(3, 50))),
+        paths(&listen_to::<Power>(&plan, &sample, &light, Backend::Auto, &entries(3, 50))),
+        paths(&listen_to::<Stokes>(&plan, &sample, &light, Backend::Auto, &entries(3, 50))),
     ];
     for (a, b) in power.iter().zip(&stokes) {
         assert!(a.1 == b.1 && a.2.iter().zip(&b.2).all(|(x, y)| (x.1 - y.1).abs() < 1e-15), "{a:?} {b:?}");
@@ -368,9 +368,9 @@ fn a_matrix_holds_what_a_vector_does() {
     let light = light(&[550.0], &[(40.0, 10.0)], Polarization::Unpolarized);
     let sample = cluster(1.5).sample(&light);
     let plan = Plan::new(&sample, &light, &Options::default());
-    let mueller: Heard<Mueller> = listen_to(&plan, &sample, &light, Backend::auto(), &entries(5, 300));
-    let stokes: Heard<Stokes> = listen_to(&plan, &sample, &light, Backend::auto(), &entries(5, 300));
-    let jones: Heard<Jones> = listen_to(&plan, &sample, &light, Backend::auto(), &entries(5, 300));
+    let mueller: Heard<Mueller> = listen_to(&plan, &sample, &light, Backend::Auto, &entries(5, 300));
+    let stokes: Heard<Stokes> = listen_to(&plan, &sample, &light, Backend::Auto, &entries(5, 300));
+    let jones: Heard<Jones> = listen_to(&plan, &sample, &light, Backend::Auto, &entries(5, 300));
     for ((m, s), j) in mueller.exits.iter().zip(&stokes.exits).zip(&jones.exits) {
         let [m, s, j] = [
             m.fields[0].1.applied_to([1.0, 0.0, 0.0, 0.0]),

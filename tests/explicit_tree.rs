@@ -52,7 +52,7 @@ fn enumerate(sample: &Sample, light: &Light) -> Heard<Jones> {
     );
     plan.marks = Marks::default();
     let entry = ([0.3, 0.6], TreeKey { key: 1, first: [0.5; 2] });
-    listen_to(&plan, sample, light, Backend::auto(), &vec![entry])
+    listen_to(&plan, sample, light, Backend::Auto, &vec![entry])
 }
 
 fn check(stack: &Stack<'_>) {

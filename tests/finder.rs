@@ -156,7 +156,7 @@ impl Shells<'_> {
         let nm = [400.0, 550.0, 700.0];
         let light = Light { source: SourceMode::Line, ..light(&nm, &[(20.0, 40.0)], Polarization::Unpolarized) };
         let heard: Heard<Stokes> =
-            listen(&build.sample(&light), &light, Backend::auto(), Limits::default(), Wanted::AUTO, &entries(3, 3000));
+            listen(&build.sample(&light), &light, Backend::Auto, Limits::default(), Wanted::AUTO, &entries(3, 3000));
         let incident = light.incidences[0].propagation();
         let layers: Vec<(C64, f64)> = self.layers.iter().map(|&(n, d)| (n.into(), d)).collect();
         let met: Vec<_> = heard.exits.iter().filter(|e| e.dir != incident).collect();

@@ -100,7 +100,7 @@ const DEEP: u32 = 10_000;
 
 fn run(build: &Build, light: &Light, depth: u32, entries: &Entries) -> Heard<Stokes> {
     let limits = Limits { depth, ..Limits::default() };
-    listen(&build.sample(light), light, Backend::auto(), limits, Wanted::AUTO, entries)
+    listen(&build.sample(light), light, Backend::Auto, limits, Wanted::AUTO, entries)
 }
 
 fn of_tree<F>(heard: &Heard<F>, tree: u32) -> &[Leaving<F>] {

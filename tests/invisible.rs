@@ -70,7 +70,7 @@ fn amplitude(leaving: &Leaving<Jones>, field: &Jones, light: &Light) -> C64 {
 /// Every tree leaves straight on with all its power, in the state and phase of light that met nothing.
 fn check(name: &str, build: &Build, light: &Light) {
     let sample = build.sample(light);
-    let heard = listen::<Jones>(&sample, light, Backend::auto(), Limits::default(), Wanted::ALL, &entries(3, TREES));
+    let heard = listen::<Jones>(&sample, light, Backend::Auto, Limits::default(), Wanted::ALL, &entries(3, TREES));
     let at = format!("{name}, {:?}", light.incidences[0]);
     assert_eq!((heard.side, heard.absorbed, heard.lost), (0.0, 0.0, 0.0), "{at}");
     let index: Vec<f64> = sample.media.iter().map(|m| m.index[0].re).collect();

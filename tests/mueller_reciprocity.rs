@@ -49,7 +49,7 @@ fn exact(build: &Build, from: DVec3, to: DVec3) -> Vec<matrices::Mueller> {
     let light = Light { incidences: vec![incidence(from)], ..light(&[550.0], &[], Polarization::Mueller) };
     let sample = build.sample(&light);
     let limits = Limits { splits: Some(4), ..Limits::default() };
-    let heard = listen::<Mueller>(&sample, &light, Backend::auto(), limits, Wanted::AUTO, &entries(3, 2000));
+    let heard = listen::<Mueller>(&sample, &light, Backend::Auto, limits, Wanted::AUTO, &entries(3, 2000));
     let there = heard.exits.iter().filter(|e| e.dir.distance(to) < 1e-6);
     there.map(|e| in_polar_frame(e.fields[0].1, e.dir, e.frame)).collect()
 }
@@ -139,7 +139,7 @@ impl Detect<Mueller> for Cone {
 fn transfer(build: &Build, from: DVec3, into: DVec3, directions: u32, seed: u64) -> Vec<matrices::Mueller> {
     let light = cones::light_from(from, directions, seed, Polarization::Mueller);
     let sample = build.sample(&light);
-    let scene = Scene::new(sample.primitives.clone(), sample.domain, Backend::auto()).unwrap();
+    let scene = Scene::new(sample.primitives.clone(), sample.domain, Backend::Auto).unwrap();
     let plan = Plan::new(&sample, &light, &Options::default());
     let kernel = Kernel::new(&sample, &scene, &plan, &light);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();

@@ -150,7 +150,7 @@ fn compare<F: Field>(
     let limits = Limits { depth: oracle::DEEPEST, ..Limits::whole_trees(FAINTEST) };
     let mut plan = Plan::new(&sample, &light, &Options { limits, ..Options::default() });
     plan.marks = Marks::default();
-    let heard = listen_to::<F>(&plan, &sample, &light, Backend::auto(), entries);
+    let heard = listen_to::<F>(&plan, &sample, &light, Backend::Auto, entries);
     let (dir, inputs) = incident(from);
     let parts = parts(polarization.stokes(), inputs);
     for tree in 0..entries.len() as u32 {

@@ -90,7 +90,7 @@ fn a_sawtooth_refracts_by_snells_law() {
     let light = light(&NM[..1], &[(0.0, 0.0)], Polarization::Unpolarized);
     let sample = teeth.sample(&light);
     assert_eq!(sample.cell.size, DVec2::new(4.0, 3.0));
-    let heard = listen::<Stokes>(&sample, &light, Backend::auto(), Limits::default(), Wanted::ALL, &entries(3, 2000));
+    let heard = listen::<Stokes>(&sample, &light, Backend::Auto, Limits::default(), Wanted::ALL, &entries(3, 2000));
     let tilt = slope.atan();
     let aside = (tilt - (tilt.sin() / 1.5).asin()).sin();
     let (mut left, mut right) = (0_i32, 0_i32);

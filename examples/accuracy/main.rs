@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Each part (all of them, if none is named) leaves its numbers as CSV files in `docs/accuracy`; the page is made from what
-//! is there. All together take an hour on two cores; targets that are in `targets.csv` are not measured again.
+//! is there. All together take two hours on two cores; targets and ladders that are there are not measured again.
 #![allow(missing_docs, clippy::print_stdout, clippy::print_stderr)]
 
 #[path = "../../tests/common/mod.rs"]

@@ -86,7 +86,8 @@ impl Work {
         let mut scene = options.setup.scene()?;
         let origin = options.setup.origin(std::mem::take(&mut scene.files))?;
         let (output, max_lost) = (options.output(), options.max_lost);
-        let settings = options.setup.settings()?;
+        let mut settings = options.setup.settings()?;
+        settings.backend = settings.backend.fit(&scene.sample.primitives, scene.sample.domain);
         let work = Self { scene, settings, origin, output, max_lost };
         if work.picture() == work.output {
             return Err(Failure::Input("--output: the .svg file is for the picture; name the result FILE.nc".into()));

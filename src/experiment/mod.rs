@@ -63,7 +63,7 @@ impl Default for Settings {
             goal: None,
             seed: 1,
             threads: std::thread::available_parallelism().map_or(1, usize::from),
-            backend: Backend::auto(),
+            backend: Backend::Auto,
             dome_level: plan::DOME_LEVEL,
             options: plan::Options::default(),
             arm: None,

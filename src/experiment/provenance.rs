@@ -38,6 +38,7 @@ impl Outcome {
     /// The result with its provenance.
     pub fn into_measured(self, sample: &Sample, light: &Light, settings: &Settings, origin: Origin) -> Measured {
         let Outcome { bsdf, plan, stacks, .. } = self;
+        let backend = settings.backend.fit(&sample.primitives, sample.domain);
         let most = |entry: fn(&Ledger) -> &Vec<Estimate>| {
             bsdf.incidences.iter().flat_map(|s| entry(&s.ledger)).map(|e| e.value).fold(0.0, f64::max).min(1.0)
         };
@@ -63,7 +64,7 @@ impl Outcome {
             source_mode: light.source.to_string(),
             sample_files: origin.files.iter().map(|f| f.display().to_string()).collect(),
             sample_sha256: origin.sha256,
-            backend: UsedBackend { name: settings.backend.name().into(), version: settings.backend.version() },
+            backend: UsedBackend { name: backend.name().into(), version: backend.version() },
             effects: plan.effects.into_iter().map(effect).collect(),
             validity,
             stacks: stack_hits(sample, &stacks, trees),

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 #[cfg(has_embree)]
 use super::embree::Embree;
+use super::grid::{self, Grid};
 #[cfg(feature = "obvhs")]
 use super::obvhs::Obvhs;
 use super::proxy::Proxy;
@@ -17,16 +18,20 @@ compile_error!("gonio-embree needs a way to intersect rays: enable the feature `
 /// Who intersects rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
+    /// Whichever is the fastest for the scene ([`Backend::fit`]).
+    Auto,
     /// Intel Embree, as installed on the machine.
     Embree,
     /// The crate obvhs.
     Obvhs,
+    /// Cells of equal size; for dense packings of spheres only.
+    Grid,
     /// Every primitive is asked.
     Brute,
 }
 
 impl Backend {
-    /// The backends of this build, fastest first.
+    /// The backends of this build that take any scene, fastest first.
     pub fn available() -> Vec<Self> {
         let mut out = Vec::new();
         if cfg!(has_embree) {
@@ -39,16 +44,23 @@ impl Backend {
         out
     }
 
-    /// The fastest backend of this build.
-    pub fn auto() -> Self {
-        Self::available()[0]
+    /// This one or, for [`Backend::Auto`], the fastest of this build for what is in `domain`.
+    #[must_use]
+    pub fn fit(self, primitives: &Primitives, domain: Aabb) -> Self {
+        match self {
+            Self::Auto if grid::is_best(primitives, domain) => Self::Grid,
+            Self::Auto => Self::available()[0],
+            chosen => chosen,
+        }
     }
 
     /// Name on the command line and in results.
     pub fn name(self) -> &'static str {
         match self {
             Self::Embree => "embree",
+            Self::Auto => "auto",
             Self::Obvhs => "obvhs",
+            Self::Grid => "grid",
             Self::Brute => "brute",
         }
     }
@@ -61,7 +73,7 @@ impl Backend {
             #[cfg(not(has_embree))]
             Self::Embree => "not built in".into(),
             Self::Obvhs => "0.4".into(),
-            Self::Brute => env!("CARGO_PKG_VERSION").into(),
+            Self::Auto | Self::Grid | Self::Brute => env!("CARGO_PKG_VERSION").into(),
         }
     }
 }
@@ -77,11 +89,12 @@ impl FromStr for Backend {
 
     fn from_str(s: &str) -> Result<Self, String> {
         match s {
-            "auto" => Ok(Self::auto()),
+            "auto" => Ok(Self::Auto),
             "embree" => Ok(Self::Embree),
             "obvhs" => Ok(Self::Obvhs),
+            "grid" => Ok(Self::Grid),
             "brute" => Ok(Self::Brute),
-            _ => Err(format!("unknown backend `{s}`: expected auto, embree, obvhs or brute")),
+            _ => Err(format!("unknown backend `{s}`: expected auto, embree, obvhs, grid or brute")),
         }
     }
 }
@@ -91,6 +104,8 @@ impl FromStr for Backend {
 pub enum BackendError {
     /// It is not part of this build.
     NotBuiltIn(Backend),
+    /// It does not take what is in the scene.
+    NotForThis(Backend),
     /// Its library failed.
     Library(String),
 }
@@ -106,6 +121,9 @@ impl fmt::Display for BackendError {
                     _ => write!(f, "; build with `--features {b}`"),
                 }
             }
+            Self::NotForThis(b) => {
+                write!(f, "backend `{b}` is for dense packings of spheres of similar size only; give --backend auto")
+            }
             Self::Library(why) => f.write_str(why),
         }
     }
@@ -119,17 +137,21 @@ pub(super) enum Accelerator {
     Embree(Embree),
     #[cfg(feature = "obvhs")]
     Obvhs(Obvhs),
+    Grid(Grid),
     Brute,
 }
 
 impl Accelerator {
     pub fn new(primitives: &std::sync::Arc<Primitives>, domain: Aabb, backend: Backend) -> Result<Self, BackendError> {
         let proxy = Proxy::new(primitives, domain);
-        match backend {
+        match backend.fit(primitives, domain) {
             #[cfg(has_embree)]
             Backend::Embree => Embree::new(primitives, proxy).map(Self::Embree).map_err(BackendError::Library),
             #[cfg(feature = "obvhs")]
             Backend::Obvhs => Ok(Self::Obvhs(Obvhs::new(primitives, proxy))),
+            Backend::Grid if grid::is_best(primitives, domain) => Ok(Self::Grid(Grid::new(primitives, domain))),
+            Backend::Grid => Err(BackendError::NotForThis(Backend::Grid)),
+            Backend::Auto => unreachable!("one has been chosen"),
             Backend::Brute => {
                 let _ = proxy;
                 Ok(Self::Brute)
@@ -153,6 +175,7 @@ impl Accelerator {
             Self::Embree(e) => e.nearest(queries, which, coherence, answers),
             #[cfg(feature = "obvhs")]
             Self::Obvhs(o) => which.iter().for_each(|&i| o.propose(primitives, &queries[i], &mut answers[i])),
+            Self::Grid(g) => which.iter().for_each(|&i| g.propose(primitives, &queries[i], &mut answers[i])),
             Self::Brute => which.iter().for_each(|&i| brute::propose(primitives, &queries[i], &mut answers[i])),
         }
     }
@@ -163,6 +186,7 @@ impl Accelerator {
             Self::Embree(e) => e.all(query, found),
             #[cfg(feature = "obvhs")]
             Self::Obvhs(o) => o.propose(primitives, query, found),
+            Self::Grid(g) => g.propose(primitives, query, found),
             Self::Brute => brute::propose(primitives, query, found),
         }
     }

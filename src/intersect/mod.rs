@@ -4,13 +4,14 @@
 //! [`Primitives`] decides in double precision. Boxes are grown by far more than single precision can err
 //! ([`proxy`]), so no backend misses a candidate, and all give the same answer to the last bit.
 //!
-//! Backends: [`embree`] (Intel Embree 3 or 4, found at build time), [`obvhs`] (pure Rust), [`brute`] (asks every
-//! primitive: the slow twin for tests). [`choose`] is the only place that knows which are compiled in.
+//! Backends: [`embree`] (Intel Embree 3 or 4, found at build time), [`obvhs`] (pure Rust), [`grid`] (for dense packings of
+//! spheres), [`brute`] (asks every primitive: the slow twin for tests). [`choose`] is the only place that knows which are compiled in.
 
 pub mod brute;
 pub mod choose;
 #[cfg(has_embree)]
 pub mod embree;
+pub mod grid;
 #[cfg(feature = "obvhs")]
 pub mod obvhs;
 pub mod proxy;

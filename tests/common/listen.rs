@@ -192,7 +192,7 @@ pub fn histogram(
     bins: usize,
     bin: impl Fn(DVec3) -> Option<usize> + Sync,
 ) -> Vec<Vec<f64>> {
-    let scene = Scene::new(sample.primitives.clone(), sample.domain, Backend::auto()).unwrap();
+    let scene = Scene::new(sample.primitives.clone(), sample.domain, Backend::Auto).unwrap();
     let plan = Plan::new(sample, light, &Options::default());
     let kernel = Kernel::new(sample, &scene, &plan, light);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();

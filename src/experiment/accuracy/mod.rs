@@ -168,6 +168,8 @@ pub fn climb(
 ) -> Result<Ladder, LadderError> {
     let start = std::time::Instant::now();
     let mut settings = Settings { goal: None, arm: None, ..settings.clone() };
+    let whole = sample(description, light)?;
+    settings.backend = settings.backend.fit(&whole.primitives, whole.domain);
     let (plan, rate) = trial(description, light, &settings)?;
     // As a long measurement has it: what is told of errors and times is to hold for more trees, too.
     settings.options.limits.splits = plan.limits.splits;

@@ -105,7 +105,7 @@ fn scene(fill: impl Fn(&mut Builder)) -> Scene {
     let mut builder = Builder::default();
     fill(&mut builder);
     let primitives: Arc<Primitives> = Arc::new(builder.finish());
-    Scene::new(primitives, Aabb::INFINITE, Backend::auto()).unwrap()
+    Scene::new(primitives, Aabb::INFINITE, Backend::Auto).unwrap()
 }
 
 fn met(scene: &Scene, o: DVec3, d: DVec3) -> Vec<Hit> {
@@ -195,7 +195,7 @@ fn aimed(trees: u32) -> [Case; 2] {
         (((o / sample.cell.size.extend(1.0)).truncate() + 0.5).to_array(), key)
     });
     let (limits, effects) = (Limits::default(), Wanted::AUTO);
-    let heard = listen::<Stokes>(&sample, &light, Backend::auto(), limits, effects, &starts.collect());
+    let heard = listen::<Stokes>(&sample, &light, Backend::Auto, limits, effects, &starts.collect());
     let left: f64 = heard.exits.iter().flat_map(|e| &e.fields).map(|f| f.1.power()).sum();
     let missing = left + heard.side + heard.absorbed + heard.lost - f64::from(trees);
     let case = |quantity, value: f64, bound| {

@@ -109,7 +109,7 @@ impl Plates {
         let sample = self.build().sample(&light);
         let options = Options { wanted: Wanted::AUTO.with(Name::Phase, true), ..Options::default() };
         let plan = Plan::new(&sample, &light, &options);
-        let heard = listen_to::<Jones>(&plan, &sample, &light, Backend::auto(), &entry());
+        let heard = listen_to::<Jones>(&plan, &sample, &light, Backend::Auto, &entry());
         [true, false].map(|up| coherent_sum(&heard, &sample, &light, up, 1.0)[0])
     }
 }
@@ -141,7 +141,7 @@ fn all_paths(thickness: f64) -> Case {
     };
     let mut plan = Plan::new(&sample, &light, &options);
     plan.marks = Marks::default();
-    let heard = listen_to::<Jones>(&plan, &sample, &light, Backend::auto(), &entry());
+    let heard = listen_to::<Jones>(&plan, &sample, &light, Backend::Auto, &entry());
     let ours = coherent_sum(&heard, &sample, &light, true, 1.0)[0];
     let (sin, cos) = theta.to_radians().sin_cos();
     let [truth, _] = film(&[(C64::from(n), thickness)], C64::ONE, cos, sin);

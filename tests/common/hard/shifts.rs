@@ -36,7 +36,7 @@ fn spheres(at: DVec3, scale: f64) -> Build {
 fn scattered(build: &Build, nm: &[f64]) -> Heard<Stokes> {
     let light = light(nm, &[(30.0, 0.0)], Polarization::P);
     let sample = build.sample(&light);
-    listen(&sample, &light, Backend::auto(), Limits::default(), Wanted::AUTO, &entries(5, TREES))
+    listen(&sample, &light, Backend::Auto, Limits::default(), Wanted::AUTO, &entries(5, TREES))
 }
 
 /// Largest difference of direction or power of the rays of two runs.
@@ -112,7 +112,7 @@ fn measured_mirror(phi: f64) -> matrices::Mueller {
     let light = light(&[550.0], &[(THETA, phi)], Polarization::Mueller);
     let sample = Build::within(1.0).open().patch(0.5, 0.5).put(mesh(shape), ALUMINIUM).sample(&light);
     let entries = vec![entries(1, 1)[0]];
-    let heard = listen::<Mueller>(&sample, &light, Backend::auto(), Limits::default(), Wanted::AUTO, &entries);
+    let heard = listen::<Mueller>(&sample, &light, Backend::Auto, Limits::default(), Wanted::AUTO, &entries);
     let [exit] = &heard.exits[..] else { return [f64::NAN; 16] };
     let growing = growing_theta(exit.dir);
     let turned = turn(growing.dot(exit.frame), growing.dot(exit.dir.cross(exit.frame)));

@@ -41,7 +41,7 @@ fn bodies(n: f64) -> Build {
 fn unseen(n: f64) -> (C64, f64) {
     let light = light(&[400.0], &[(45.0, 30.0)], Polarization::P);
     let sample = bodies(n).sample(&light);
-    let heard = listen::<Jones>(&sample, &light, Backend::auto(), Limits::default(), Wanted::ALL, &entries(3, TREES));
+    let heard = listen::<Jones>(&sample, &light, Backend::Auto, Limits::default(), Wanted::ALL, &entries(3, TREES));
     let sum = coherent_sum(&heard, &sample, &light, false, 1.33)[0];
     (sum / f64::from(TREES), straight(&heard, &light))
 }
@@ -89,7 +89,7 @@ fn christiansen() -> Case {
     let heard = listen::<Stokes>(
         &filter().sample(&light),
         &light,
-        Backend::auto(),
+        Backend::Auto,
         Limits::default(),
         Wanted::AUTO,
         &entries(3, TREES),
