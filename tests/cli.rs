@@ -182,7 +182,7 @@ fn wrong_usage_says_what_is_wrong_and_how_to_mend_it() {
         (&["--mesh", FEATHER, "--medium", "core=-1"], "core=-1"),
         (&["--mesh", FEATHER, "--medium", "core=none.csv"], "--medium core: none.csv: cannot be read"),
         (&["--mesh", FEATHER, "--patch", "3"], "expected two lengths"),
-        (&["--mesh", FEATHER, "--backend", "optix"], "expected auto, embree, obvhs or brute"),
+        (&["--mesh", FEATHER, "--backend", "optix"], "expected auto, embree, obvhs, grid or brute"),
         (&["--mesh", FEATHER, "-o", "none/x.nc"], "none/x.nc: cannot be written"),
         (&["--mesh", FEATHER, "-o", "x.svg"], "name the result FILE.nc"),
         (&["--mesh", FEATHER, "--sample", "thin.toml"], "cannot be used with"),
