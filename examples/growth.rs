@@ -90,7 +90,7 @@ fn memory(key: &str) -> f64 {
 
 /// The best of three: work of `units` units.
 fn point(size: f64, description: &Description, light: &Light, settings: &Settings, units: f64) -> Point {
-    let mut best = Point { size, build: f64::INFINITY, trace: f64::INFINITY, memory: f64::INFINITY };
+    let mut best = Point { size, build: f64::INFINITY, trace: f64::INFINITY, memory: 0.0 };
     for _ in 0..3 {
         let _ = fs::write("/proc/self/clear_refs", "5");
         let before = memory("VmRSS:");
@@ -100,7 +100,7 @@ fn point(size: f64, description: &Description, light: &Light, settings: &Setting
         let outcome = measure(&sample, light, settings, |_| {}).unwrap();
         best.build = best.build.min(read + outcome.seconds - outcome.tracing_seconds);
         best.trace = best.trace.min(outcome.tracing_seconds / units);
-        best.memory = best.memory.min(memory("VmHWM:") - before);
+        best.memory = best.memory.max(memory("VmHWM:") - before);
     }
     println!("{size:>10} {:>9.4} s {:>10.3e} s {:>8.1} MiB", best.build, best.trace, best.memory);
     best

@@ -170,7 +170,8 @@ fn long_jobs(desk: &Desk, trees: &str) {
 
 #[cfg(unix)]
 fn signal(child: &std::process::Child, name: &str) {
-    Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
+    // The shell has it where there is no program of that name.
+    Command::new("sh").args(["-c", &format!("kill -{name} {}", child.id())]).status().unwrap();
 }
 
 fn start(desk: &Desk, args: &[&str]) -> std::process::Child {

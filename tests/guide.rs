@@ -178,7 +178,14 @@ fn the_commands_of_the_readme_work() {
 
 #[test]
 fn links_of_the_documents_lead_to_files() {
-    for name in ["README.md", "docs/guide.md", "docs/conventions.md", "docs/accuracy.md", "docs/batch.md"] {
+    for name in [
+        "README.md",
+        "docs/guide.md",
+        "docs/conventions.md",
+        "docs/accuracy.md",
+        "docs/batch.md",
+        "docs/performance.md",
+    ] {
         let text = read(name);
         let folder = Path::new(HOME).join(name).parent().unwrap().to_owned();
         for target in links(&text) {

@@ -26,7 +26,7 @@ pub fn text(ladder: &Ladder) -> String {
             p.knob,
             p.setting,
             format!("{} ±{}", percent(p.error.whole), percent(p.spread)),
-            if p.floor > 0.0 { percent(p.floor) } else { "-".into() },
+            if p.floor > ROUNDING { percent(p.floor) } else { "-".into() },
             percent(p.error.reflected.max(p.error.transmitted)),
             significant(p.cost.seconds, 3),
             significant(p.cost.cpu_seconds, 3),
@@ -88,21 +88,29 @@ fn compared(ladder: &Ladder) -> String {
     }
 }
 
+/// Errors below this are of rounding: none.
+const ROUNDING: f64 = 1e-9;
+
 /// A share in percent without the sign.
 fn percent(share: f64) -> String {
-    significant(100.0 * share, 2)
+    if share.abs() < ROUNDING { "0".into() } else { significant(100.0 * share, 2) }
+}
+
+/// Whether chance has a part in the errors of a setting.
+fn is_noisy(point: &Point) -> bool {
+    point.noise_square() > ROUNDING * ROUNDING
 }
 
 /// Work for the same error, as given over by this setting; none where noise cannot be told.
 fn efficiency(ladder: &Ladder, point: &Point) -> Option<f64> {
     let price = |p: &Point| p.noise_square() * (p.cost.seconds - ladder.fixed_seconds()).max(1e-9);
-    let base = ladder.points.first()?;
+    let base = ladder.points.first().filter(|base| is_noisy(base) && is_noisy(point))?;
     Some(price(base) / price(point)).filter(|e| e.is_finite() && *e > 0.0 && point.knob != TREES)
 }
 
 /// What to do, and what not.
 fn advice(ladder: &Ladder) -> Vec<String> {
-    let Some(base) = ladder.points.first().filter(|b| b.noise_square() > 0.0) else {
+    let Some(base) = ladder.points.first().filter(|base| is_noisy(base)) else {
         return vec!["nothing is left to chance here: more trees change nothing".into()];
     };
     let chosen = |p: &&Point| p.setting.starts_with("--") && p.knob != TREES;

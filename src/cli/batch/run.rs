@@ -84,6 +84,11 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let failures: Vec<String> = (wanted.iter().zip(&ends))
         .filter_map(|(w, end)| if let End::Failed(why) = end { Some(format!("{}: {why}", w.name)) } else { None })
         .collect();
+    if stop.is_asked() && ends.iter().any(|e| matches!(e, End::Stopped)) {
+        // No time for a table of what there is.
+        failures.iter().for_each(|f| tell(f));
+        return Err(Failure::Stopped("stopped; what is done is kept, and the same command goes on from there".into()));
+    }
     let tables = sweep::write(&table, &options.jobs, &wanted)?;
     if !options.quiet {
         let earlier = if before > 0 { format!(", {before} had been before") } else { String::new() };
@@ -92,10 +97,6 @@ pub fn run(options: &Options) -> Result<(), Failure> {
             wanted.len(),
             duration(start.elapsed().as_secs_f64())
         ));
-    }
-    if stop.is_asked() && ends.iter().any(|e| matches!(e, End::Stopped)) {
-        failures.iter().for_each(|f| tell(f));
-        return Err(Failure::Stopped("stopped; what is done is kept, and the same command goes on from there".into()));
     }
     if failures.is_empty() {
         return Ok(());
@@ -113,8 +114,9 @@ fn measure(job: &Wanted, number: usize, threads: usize, stop: &Stop, board: &Mut
             // Of two that did the same at once the other may have been killed.
             Checkpoint::beside(&work.output, work.key(), None).remove();
             work.draw_if_missing(&measured)?;
+            work.gate(&measured)?;
             board().skip(number);
-            return work.gate(&measured).map(|()| End::Earlier);
+            return Ok(End::Earlier);
         }
         let done = work.run(job.options.every(), stop, &mut |p| board().show(number, &job.name, Some(*p)))?;
         work.judge(&done).map(|()| End::Measured)
