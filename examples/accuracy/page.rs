@@ -45,7 +45,7 @@ pub fn page(out: &Path) -> Result<String, Failed> {
     if let Some(rows) = rows(out, "coverage.csv") {
         page += "\n## How often intervals hold the truth\n\n";
         page += "Shares of the 95 % intervals of 1000 seeds that hold the true value: that of a measurement hundreds of times \
-                 as long. Ledger: R, T and their delta parts, if at least 100 trees' worth; ratio: the specular part of R; \
+                 as long. Ledger: R, T and their delta parts, if at least 100 trees' worth, and ratio: the specular part of R; \
                  colour: L*, a* and b*; scan: a detector 10° wide in ten places; facets of 16°; of both what at least 100 trees \
                  have hit. What does not vary has no interval.\n\n";
         page += "| sample | what | intervals | held |\n|---|---|--:|--:|\n";

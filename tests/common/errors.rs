@@ -126,8 +126,8 @@ impl Held {
     }
 
     fn add(&mut self, measured: Estimate, truth: Estimate) {
-        // What does not vary has no interval.
-        if measured.se > 0.0 {
+        // What does not vary but by rounding has no interval.
+        if measured.se > 1e-12 * measured.value.abs() {
             self.all += 1;
             let half = critical(0.05, BATCHES as usize) * measured.se.hypot(truth.se);
             self.held += u64::from((measured.value - truth.value).abs() <= half);
@@ -143,16 +143,23 @@ pub fn coverage(specimen: &Specimen, reference: &Outcome, seeds: u64) -> BTreeMa
         let outcome = specimen.measured(&Settings { arm: Some(arm()), ..specimen.settings(seed) });
         let (s, truth) = (&outcome.bsdf.incidences[0], &reference.bsdf.incidences[0]);
         let mut add = |name, measured, truth| all.entry(name).or_default().add(measured, truth);
+        // What few trees decide has no interval in most measurements, and in the others one that says little.
+        let worth = |e: &Estimate| e.value.min(1.0 - e.value) * s.trees as f64 >= FEWEST_TREES as f64;
         // Reflected and transmitted light, and what of them is in one direction.
         for (i, (_, entry)) in s.ledger.entries().into_iter().enumerate().filter(|(i, _)| [0, 1, 4, 5].contains(i)) {
-            let worth = |e: &Estimate| e.value.min(1.0 - e.value) * s.trees as f64 >= FEWEST_TREES as f64;
             let known = entry.iter().zip(truth.ledger.entries()[i].1).filter(|(_, truth)| worth(truth));
             known.for_each(|(&a, &b)| add("ledger", a, b));
         }
         let labs =
             |d: &gonio_embree::bsdf::Derived| [d.reflected_lab, d.transmitted_lab].into_iter().flatten().flatten();
         labs(&s.derived).zip(labs(&truth.derived)).for_each(|(a, b)| add("colour", a, b));
-        s.derived.specular_share.iter().zip(&truth.derived.specular_share).for_each(|(&a, &b)| add("ratio", a, b));
+        for (w, (&a, &b)) in s.derived.specular_share.iter().zip(&truth.derived.specular_share).enumerate() {
+            // The rarer part of the light that is reflected.
+            let part = truth.ledger.reflected[w].value * b.value.min(1.0 - b.value);
+            if worth(&Estimate { value: part, se: 0.0 }) {
+                add("ratio", a, b);
+            }
+        }
         let scans = outcome.scans[0].readings.iter().zip(&reference.scans[0].readings);
         for (a, b) in scans.filter(|(a, _)| a.trees >= FEWEST_TREES) {
             a.value.iter().zip(&b.value).for_each(|(&a, &b)| add("scan", a, b));
