@@ -7,8 +7,7 @@ use gonio_embree::experiment::State;
 use gonio_embree::jobs::plan::{Plan, Planned};
 
 use super::forecast::Forecast;
-use super::prepared::prepare;
-use super::run::named_after;
+use super::prepared::{named_after, prepare};
 use crate::cli::progress::{Line, duration};
 use crate::cli::setup::all_threads;
 use crate::cli::{Failure, answer, write};

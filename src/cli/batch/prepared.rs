@@ -108,3 +108,9 @@ pub fn earlier(work: &Work) -> Option<Measured> {
         && p.incomplete.is_none();
     same.then_some(measured)
 }
+
+/// Name of a file beside another: `night.toml` gives `night-table.csv`.
+pub fn named_after(path: &Path, suffix: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}{suffix}"))
+}

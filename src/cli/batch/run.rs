@@ -1,7 +1,7 @@
 //! `gonio-embree batch`: the measurements of a job file, on this machine.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
@@ -130,10 +130,4 @@ fn measure(job: &Wanted, number: usize, threads: usize, stop: &Stop, board: &Mut
     };
     board().end(number, matches!(end, End::Failed(_)));
     end
-}
-
-/// Name of a file beside another: `night.toml` gives `night-table.csv`.
-pub fn named_after(path: &Path, suffix: &str) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}{suffix}"))
 }

@@ -6,8 +6,7 @@ use gonio_embree::output::netcdf;
 use gonio_embree::output::sweep::Sweep;
 use gonio_embree::plot;
 
-use super::prepared::Wanted;
-use super::run::named_after;
+use super::prepared::{Wanted, named_after};
 use crate::cli::{self, Failure};
 
 /// Where the table of a job file or a plan goes, if nobody says.
