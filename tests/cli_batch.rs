@@ -120,6 +120,13 @@ fn failures_are_told_at_the_end_and_stop_nothing_else() {
         assert!(told.contains(part), "{part}: {told}");
     }
     assert!(names(&all(&desk.0.join("out"))).contains(&"last.nc"));
+    // More rounds are another measurement; the same number is not.
+    desk.write("jobs.toml", "[[measurement]]\nsample = \"ball.toml\"\nmax-rounds = 1\n");
+    let told = |desk: &Desk| errors(&fine(desk.run(&["batch", "jobs.toml"])));
+    assert!(told(&desk).contains("1 of 1 measured") && told(&desk).contains("1 had been before"));
+    desk.write("jobs.toml", "[[measurement]]\nsample = \"ball.toml\"\nmax-rounds = 2\n");
+    assert!(told(&desk).contains("1 of 1 measured"));
+    desk.write("jobs.toml", &jobs);
     let dry = desk.run(&["batch", "jobs.toml", "--dry-run"]);
     assert_eq!(code(&dry), Some(2), "{}", errors(&dry));
     assert!(
@@ -189,12 +196,13 @@ fn start(desk: &Desk, args: &[&str]) -> std::process::Child {
 #[cfg(unix)]
 fn what_is_stopped_goes_on() {
     let (calm, desk) = (desk("batch-calm"), desk("batch-stopped"));
-    let one = ["--sample=ball.toml", "--trees=300k", "--incident=0,40", "--checkpoint=off", "-o", "one.nc"];
+    let one = ["--sample=ball.toml", "--trees=600k", "--incident=0,40", "--checkpoint=off", "-o", "one.nc"];
     fine(calm.run(&one));
     let mut stops = 0;
     for name in ["TERM", "INT", "USR1"].into_iter().cycle() {
         let child = start(&desk, &one);
-        sleep(Duration::from_millis(250));
+        // Longer and longer, so that it ends on a slow machine, too.
+        sleep(Duration::from_millis(250 + 50 * stops));
         signal(&child, name);
         let asked = Instant::now();
         let output = child.wait_with_output().unwrap();

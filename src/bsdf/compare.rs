@@ -1,7 +1,8 @@
 //! Two results of the same sample: do they differ by more than chance?
 //!
 //! Their domes have facets of different size; they are compared in the coarser one of each place, or in one coarser still
-//! that enough trees have hit, where the fluxes of the finer ones add up. Wavelengths share their rays, so that each has a sum of squares of its own.
+//! that enough trees have hit, where the fluxes of the finer ones add up. Wavelengths share their rays, so that each has a sum
+//! of squares of its own.
 
 use super::{Bsdf, FacetValue, Scattering};
 use crate::dome::{BATCHES, Estimate, Facet, critical};

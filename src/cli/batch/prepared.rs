@@ -99,9 +99,11 @@ pub fn earlier(work: &Work) -> Option<Measured> {
     let measured = netcdf::from_bytes(&bytes).ok()?;
     let (p, command) = (&measured.provenance, &work.origin.command);
     let backend = work.settings.backend;
-    // One that ran out of time says how far it came.
+    // One that ran out of time, or of rounds, says how far it came.
     let rest = p.command.strip_prefix(command.as_str())?;
-    let same = (rest.is_empty() || rest.starts_with(" --max-rounds "))
+    let rounds = rest.strip_prefix(" --max-rounds ").and_then(|n| n.parse::<f64>().ok());
+    let asked = work.settings.goal.and_then(|g| g.max_rounds);
+    let same = (rest.is_empty() || rounds.is_some_and(|n| asked.is_none_or(|asked| n == asked)))
         && p.version == env!("CARGO_PKG_VERSION")
         && p.sample_sha256 == work.origin.sha256
         && (p.backend.name.as_str(), p.backend.version.as_str()) == (backend.name(), backend.version().as_str())
