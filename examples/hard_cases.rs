@@ -4,12 +4,10 @@
 
 #[path = "../tests/common/mod.rs"]
 mod common;
-#[path = "../tests/common/hard/mod.rs"]
-mod hard;
 
 use std::fmt::Write;
 
-use hard::{Case, Tier};
+use common::hard::{self, Case, Tier};
 
 const BEFORE: &str = "\
 # Hard cases
@@ -20,7 +18,7 @@ The cases in which a program of this kind goes wrong first. This page is made by
 cargo run --release --example hard_cases
 ```
 
-and `tests/hard_cases.rs` holds this program to what is *allowed*. The **truth** comes from closed forms or from
+and `tests/all/hard_cases.rs` holds this program to what is *allowed*. The **truth** comes from closed forms or from
 `tests/reference/films.json` (40 digits); 0 also stands for a difference that there should not be. The last three
 columns are **errors**, absolute unless *allowed* says relative: of this program; of the same thing in **float32**, with
 rays that go on from a face 256 units in the last place further, as single-precision ray tracers do; and of a

@@ -15,7 +15,7 @@
 //!    functions, so a closed body is always entered and left in pairs.
 //!
 //! To add a shape: give it a file with its interval (or crossing), its bounds and its normal, a list in
-//! [`Primitives`], and an arm in each `match` on [`Kind`]; the tests in `tests/backends.rs` then cover it.
+//! [`Primitives`], and an arm in each `match` on [`Kind`]; the tests in `tests/all/backends.rs` then cover it.
 
 mod aabb;
 mod cuboid;

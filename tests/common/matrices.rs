@@ -1,5 +1,4 @@
 //! Mueller matrices for tests, from first principles. Stokes vectors are (I, Q, U, V) with U + iV = 2 Eₓ E_y*.
-#![allow(dead_code, missing_docs, reason = "each user takes its part")]
 
 use num_complex::Complex;
 

@@ -1,5 +1,5 @@
 //! Shared by the integration tests.
-#![allow(dead_code, missing_docs, reason = "each test binary uses its part")]
+#![allow(dead_code, missing_docs, reason = "the tests and each example use their parts")]
 
 use glam::DVec3;
 use gonio_embree::geometry::{Builder, Shape, Triangle};
@@ -7,10 +7,13 @@ use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 
 pub mod build;
+pub mod collapse;
 pub mod cones;
 pub mod errors;
+pub mod hard;
 pub mod listen;
 pub mod matrices;
+pub mod oracle;
 pub mod reference;
 pub mod stats;
 pub mod synthetic;

@@ -2,7 +2,6 @@
 //!
 //! Each ray has a 3×3 matrix that takes the electric field of the incident wave to its own (Yun, McClain and Chipman,
 //! Appl. Opt. 50, 2855 (2011)): power-normalised, without the phase of the way. No ray has a frame.
-#![allow(dead_code, missing_docs, reason = "each user takes its part")]
 
 use glam::DVec3;
 use num_complex::Complex;

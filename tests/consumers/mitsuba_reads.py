@@ -1,6 +1,6 @@
 """Mitsuba 3 loads and evaluates exported BSDFs: mitsuba_reads.py PROGRAM FOLDER
 
-FOLDER holds what `cargo test --test exports` leaves in target/tmp/exports."""
+FOLDER holds what `cargo test exports::` leaves in target/tmp/exports."""
 
 import subprocess
 import sys

@@ -1,6 +1,6 @@
 """Radiance loads and evaluates exported BSDFs: radiance_reads.py PROGRAM FOLDER
 
-FOLDER holds what `cargo test --test exports` leaves in target/tmp/exports. Radiance may be long with a file it does not
+FOLDER holds what `cargo test exports::` leaves in target/tmp/exports. Radiance may be long with a file it does not
 like, so each is read in a process of its own."""
 
 import json

@@ -10,9 +10,9 @@ use gonio_embree::optics::film::{Amplitudes, Incidence, Layer, solve};
 use num_complex::Complex;
 use serde_json::Value;
 
-use super::collapse::{Stack, kz_from_sine, matrix_product};
 use super::twin::{Answer32, Stack32};
 use super::{Case, worst};
+use crate::common::collapse::{Stack, kz_from_sine, matrix_product};
 
 const FILE: &str = "tests/reference/films.json";
 const MATRIX: &str = "product of matrices";

@@ -2,11 +2,8 @@
 //!
 //! What is true comes from closed forms or from `tests/reference`, never from this program. Beside this program's answer
 //! stand those of float32 and of textbooks (see [`twin`]), where they mean something.
-#![allow(dead_code, missing_docs, reason = "each user takes its part")]
 
 mod bodies;
-#[path = "../collapse.rs"]
-mod collapse;
 mod films;
 mod interfaces;
 mod scenes;

@@ -12,9 +12,9 @@ use gonio_embree::trace::TreeKey;
 use num_complex::Complex;
 
 use super::Case;
-use super::collapse::{Stack, interface_by_interface, kz_by_differences};
 use super::twin::{Stack32, offset32, seen};
 use crate::common::build::{Build, ball, cuboid, light};
+use crate::common::collapse::{Stack, interface_by_interface, kz_by_differences};
 use crate::common::listen::{coherent_sum, listen_to};
 
 pub fn all() -> Vec<Case> {
