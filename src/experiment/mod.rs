@@ -156,7 +156,8 @@ impl<'a> Bench<'a> {
 
     /// The plan, with what pilots have found.
     fn plan(&self) -> Plan {
-        splits::choose(self, pilot::decide(self, Plan::new(self.sample, self.light, &self.settings.options)))
+        let plan = self.pool.install(|| Plan::new(self.sample, self.light, &self.settings.options));
+        splits::choose(self, pilot::decide(self, plan))
     }
 
     fn kernel<'b>(&'b self, plan: &'b Plan) -> Kernel<'b> {

@@ -45,12 +45,18 @@ impl Plane {
 #[derive(Default)]
 pub(super) struct PlaneSet {
     planes: Vec<Plane>,
-    cells: FxHashMap<[i64; 4], Vec<u32>>,
+    /// The latest plane of a cell.
+    cells: FxHashMap<[i64; 4], u32>,
+    /// For each plane, the one before it in its cell.
+    before: Vec<Option<u32>>,
 }
 
 impl PlaneSet {
     /// Cell sizes of the look-up: direction, and offset in µm.
     const CELL: [f64; 4] = [1e-5, 1e-5, 1e-5, 1e-3];
+
+    /// How far two planes that could be one lie apart in these at most.
+    const REACH: [f64; 4] = [1e-6, 1e-6, 1e-6, 1e-4];
 
     /// Planes of a cell that are compared, the latest: a gentle relief has thousands that are nearly, not quite, one.
     const MOST: usize = 256;
@@ -74,35 +80,25 @@ impl PlaneSet {
     fn push(&mut self, plane: Plane) -> u32 {
         let index = u32::try_from(self.planes.len()).expect("fewer than 2^32 planes");
         self.planes.push(plane);
-        self.cells.entry(cell(&plane, [0.0; 4])).or_default().push(index);
+        self.before.push(self.cells.insert(cell(&plane, [0.0; 4]), index));
         index
     }
 
     /// Looks in the cell of `plane` and, where it lies close to a border, in the neighbouring cells.
     fn find(&self, plane: &Plane, points: &[DVec3]) -> Option<u32> {
-        let mut seen = Vec::with_capacity(4);
-        for corner in 0..16 {
-            let nudge = std::array::from_fn(|i| {
-                let reach = if i < 3 { 1e-6 } else { 1e-4 };
-                if corner >> i & 1 == 0 { -reach } else { reach }
-            });
-            let key = cell(plane, nudge);
-            if seen.contains(&key) {
-                continue;
-            }
-            seen.push(key);
-            let all = self.cells.get(&key).map_or(&[][..], Vec::as_slice);
-            let found = all[all.len().saturating_sub(Self::MOST)..].iter().copied().find(|&i| {
+        let [low, high] = [-1.0, 1.0].map(|side| cell(plane, Self::REACH.map(|reach| side * reach)));
+        // Which of the two along each axis, and both only where they differ.
+        let corners = (0..16).filter(|corner| (0..4).all(|i| corner >> i & 1 == 0 || low[i] != high[i]));
+        let mut cells = corners.map(|corner| std::array::from_fn(|i| if corner >> i & 1 == 0 { low } else { high }[i]));
+        cells.find_map(|cell| {
+            let latest = std::iter::successors(self.cells.get(&cell), |&&i| self.before[i as usize].as_ref());
+            latest.take(Self::MOST).copied().find(|&i| {
                 let other = &self.planes[i as usize];
                 other.is_axis_aligned() == plane.is_axis_aligned()
                     && other.normal.dot(plane.normal) > 0.999_999
                     && points.iter().all(|&p| other.height(p).abs() <= COINCIDENT)
-            });
-            if found.is_some() {
-                return found;
-            }
-        }
-        None
+            })
+        })
     }
 }
 

@@ -1,5 +1,7 @@
 //! Faces of primitives, and which of them are parallel.
 
+use std::ops::Deref;
+
 use glam::{DVec2, DVec3};
 
 use crate::geometry::{Aabb, Cuboid, Cylinder, Layer, PrimId, Primitives, Shape, Sphere, SurfaceId};
@@ -22,7 +24,7 @@ pub struct Face {
 enum Form {
     Planar {
         normal: DVec3,
-        outline: Vec<DVec3>,
+        outline: Outline,
     },
     /// z = height, everywhere.
     Level(f64),
@@ -30,40 +32,54 @@ enum Form {
     Mantle(Cylinder),
 }
 
-pub fn faces(primitives: &Primitives, prim: PrimId) -> impl Iterator<Item = Face> {
-    let surfaces = primitives.faces(prim);
-    let mut out: Vec<Face> = Vec::with_capacity(surfaces.len());
-    for (number, &surface) in surfaces.iter().enumerate() {
-        if surface == SurfaceId::NONE {
-            continue;
+/// The corners of a convex face.
+#[derive(Clone, Copy)]
+enum Outline {
+    Triangle([DVec3; 3]),
+    Rectangle([DVec3; 4]),
+}
+
+impl Deref for Outline {
+    type Target = [DVec3];
+
+    fn deref(&self) -> &[DVec3] {
+        match self {
+            Self::Triangle(corners) => corners,
+            Self::Rectangle(corners) => corners,
         }
+    }
+}
+
+pub fn faces(primitives: &Primitives, prim: PrimId) -> impl Iterator<Item = Face> {
+    let shape = primitives.shape(prim);
+    let surfaces = primitives.faces(prim).iter().enumerate().filter(|(_, surface)| **surface != SurfaceId::NONE);
+    surfaces.map(move |(number, &surface)| {
         let number = number as u8;
-        let form = match primitives.shape(prim) {
-            Shape::Triangle(t) => planar(primitives, surface, primitives.corners(t).to_vec()),
+        let form = match shape {
+            Shape::Triangle(t) => planar(primitives, surface, Outline::Triangle(primitives.corners(t))),
             Shape::Sphere(s) => Form::Sphere(s),
             Shape::Cylinder(c) if number == Cylinder::MANTLE => Form::Mantle(c),
             Shape::Cylinder(c) => planar(primitives, surface, end(&c, number)),
             Shape::Cuboid(b) => planar(primitives, surface, rectangle(&b, number)),
             Shape::Layer(l) => Form::Level(if number == Layer::TOP { l.top } else { l.bottom }),
         };
-        out.push(Face { prim, number, surface, form });
-    }
-    out.into_iter()
+        Face { prim, number, surface, form }
+    })
 }
 
-fn planar(primitives: &Primitives, surface: SurfaceId, outline: Vec<DVec3>) -> Form {
+fn planar(primitives: &Primitives, surface: SurfaceId, outline: Outline) -> Form {
     let normal = primitives.plane(surface).map_or(DVec3::Z, |p| p.normal);
     Form::Planar { normal, outline }
 }
 
 /// The rectangle around an elliptic end.
-fn end(c: &Cylinder, number: u8) -> Vec<DVec3> {
+fn end(c: &Cylinder, number: u8) -> Outline {
     let center = if number == Cylinder::FIRST_END { c.from } else { c.from + c.length * c.axis };
     let (a, b) = (c.radii[0] * c.u, c.radii[1] * c.v());
-    vec![center - a - b, center + a - b, center + a + b, center - a + b]
+    Outline::Rectangle([center - a - b, center + a - b, center + a + b, center - a + b])
 }
 
-fn rectangle(b: &Cuboid, number: u8) -> Vec<DVec3> {
+fn rectangle(b: &Cuboid, number: u8) -> Outline {
     let axis = usize::from(number / 2);
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
     let corner = |p: DVec3, q: DVec3| {
@@ -71,7 +87,7 @@ fn rectangle(b: &Cuboid, number: u8) -> Vec<DVec3> {
         (c[i], c[j]) = (p[i], q[j]);
         c
     };
-    vec![corner(b.min, b.min), corner(b.max, b.min), corner(b.max, b.max), corner(b.min, b.max)]
+    Outline::Rectangle([corner(b.min, b.min), corner(b.max, b.min), corner(b.max, b.max), corner(b.min, b.max)])
 }
 
 impl Face {
@@ -166,22 +182,20 @@ fn gap(normal: DVec3, a: &[DVec3], b: &[DVec3]) -> f64 {
 }
 
 /// Whether two convex outlines overlap when seen along `normal`: by separating axes. Touching does not count.
-fn outlines_overlap(normal: DVec3, a: &[DVec3], b: &[DVec3]) -> bool {
+fn outlines_overlap<'a>(normal: DVec3, a: &'a [DVec3], b: &'a [DVec3]) -> bool {
     let (u, v) = normal.any_orthonormal_pair();
-    let flat = |points: &[DVec3]| -> Vec<DVec2> { points.iter().map(|p| DVec2::new(p.dot(u), p.dot(v))).collect() };
-    let (a, b) = (flat(a), flat(b));
+    let flat = |p: DVec3| DVec2::new(p.dot(u), p.dot(v));
     let separates = |axis: DVec2| {
-        let range = |points: &[DVec2]| {
-            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-                (low.min(p.dot(axis)), high.max(p.dot(axis)))
-            })
+        let range = |points: &[DVec3]| {
+            let along = points.iter().map(|&p| flat(p).dot(axis));
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
         };
-        let (x, y) = (range(&a), range(&b));
+        let (x, y) = (range(a), range(b));
         let slack = 1e-12 * (x.1 - x.0 + y.1 - y.0);
         x.1 <= y.0 + slack || y.1 <= x.0 + slack
     };
-    let axes = |p: &[DVec2]| -> Vec<DVec2> { (0..p.len()).map(|i| (p[(i + 1) % p.len()] - p[i]).perp()).collect() };
-    !axes(&a).into_iter().chain(axes(&b)).any(separates)
+    let axes = |p: &'a [DVec3]| (0..p.len()).map(move |i| flat(p[(i + 1) % p.len()] - p[i]).perp());
+    !axes(a).chain(axes(b)).any(separates)
 }
 
 /// Whether two mantles are shells of one another.

@@ -1,11 +1,11 @@
 //! How wide the faces of the sample are compared with the wavelength: where they are narrow, light is diffracted,
 //! and ray optics is in doubt.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
-use crate::geometry::{Cylinder, Kind, PrimId, Primitives, Shape, SurfaceId};
+use crate::geometry::{Cylinder, Kind, PrimId, Primitives, Shape};
 
 /// Faces narrower than this many wavelengths count as small (diffraction spreads light by λ/width, some 10°).
 pub const SMALL: f64 = 5.0;
@@ -83,9 +83,8 @@ fn face_width(shape: &Shape, face: u8) -> f64 {
 }
 
 /// Coplanar triangles that hang together.
-#[derive(Clone, Debug, Default)]
-struct Patch {
-    triangles: Vec<usize>,
+struct Patch<'a> {
+    triangles: &'a [u32],
     normal: DVec3,
     centroid: DVec3,
 }
@@ -98,92 +97,90 @@ fn triangle_widths(primitives: &Primitives) -> Vec<f64> {
         .take(count)
         .map(|id| if let Shape::Triangle(t) = primitives.shape(id) { t.corners } else { [0; 3] })
         .collect();
-    let surface = |i: usize| primitives.faces(PrimId(i as u32))[0];
-    let (patches, patch_of) = patches(primitives, &corners, surface);
+    let roots = roots(primitives, &corners);
+    let mut sorted: Vec<u32> = (0..count as u32).collect();
+    sorted.par_sort_by_key(|&i| roots[i as usize]);
+    let parts: Vec<&[u32]> = sorted.chunk_by(|&a, &b| roots[a as usize] == roots[b as usize]).collect();
+    let patches: Vec<Patch> = parts.into_par_iter().map(|part| patch(primitives, &corners, part)).collect();
+    let mut patch_of = vec![0; count];
+    for (number, patch) in patches.iter().enumerate() {
+        patch.triangles.iter().for_each(|&i| patch_of[i as usize] = number as u32);
+    }
     let mut curved = vec![f64::INFINITY; patches.len()];
-    for (edge, [a, b]) in creases(&corners, &patch_of) {
-        let tilt = patches[a].normal.angle_between(patches[b].normal);
+    for (edge, pair) in creases(&corners, &patch_of) {
+        let [a, b] = pair.map(|p| &patches[p as usize]);
+        let tilt = a.normal.angle_between(b.normal);
         if tilt < SMOOTH {
             let ends = edge.map(|v| primitives.vertex(v));
-            let apart = [a, b].map(|p| distance_to_line(patches[p].centroid, ends)).iter().sum::<f64>();
+            let apart = [a, b].map(|p| distance_to_line(p.centroid, ends)).iter().sum::<f64>();
             // Normals turn by `tilt` over the arc between the centroids.
-            for p in [a, b] {
-                curved[p] = curved[p].min(2.0 * apart / tilt);
+            for width in pair.map(|p| p as usize) {
+                curved[width] = curved[width].min(2.0 * apart / tilt);
             }
         }
     }
-    let widths: Vec<f64> = patches
-        .iter()
-        .zip(&curved)
-        .map(|(p, &curved)| if curved.is_finite() { curved } else { flat_width(primitives, &corners, p) })
-        .collect();
-    patch_of.iter().map(|&p| widths[p]).collect()
+    let widths = patches.par_iter().zip(&curved);
+    let widths =
+        widths.map(|(p, &curved)| if curved.is_finite() { curved } else { flat_width(primitives, &corners, p) });
+    let widths: Vec<f64> = widths.collect();
+    patch_of.iter().map(|&p| widths[p as usize]).collect()
 }
 
-fn patches(
-    primitives: &Primitives,
-    corners: &[[u32; 3]],
-    surface: impl Fn(usize) -> SurfaceId,
-) -> (Vec<Patch>, Vec<usize>) {
-    // Triangles are joined through (surface, corner).
-    let mut joints: HashMap<(SurfaceId, u32), usize> = HashMap::new();
-    let mut root: Vec<usize> = (0..corners.len()).collect();
-    fn find(root: &mut [usize], mut i: usize) -> usize {
-        while root[i] != i {
-            root[i] = root[root[i]];
-            i = root[i];
+/// For each triangle, the first that is coplanar and hangs together with it.
+fn roots(primitives: &Primitives, corners: &[[u32; 3]]) -> Vec<u32> {
+    let surface = |i: u32| primitives.faces(PrimId(i))[0];
+    let mut sorted: Vec<u32> = (0..corners.len() as u32).collect();
+    let mut root = sorted.clone();
+    sorted.par_sort_by_key(|&i| surface(i));
+    fn find(root: &mut [u32], mut i: u32) -> u32 {
+        while root[i as usize] != i {
+            root[i as usize] = root[root[i as usize] as usize];
+            i = root[i as usize];
         }
         i
     }
-    for (i, t) in corners.iter().enumerate() {
-        for &v in t {
-            let other = *joints.entry((surface(i), v)).or_insert(i);
-            let (x, y) = (find(&mut root, i), find(&mut root, other));
-            root[x.max(y)] = x.min(y);
-        }
-    }
-    let mut patches: Vec<Patch> = Vec::new();
-    let mut patch_of = vec![0; corners.len()];
-    for i in 0..corners.len() {
-        let r = find(&mut root, i);
-        if r == i {
-            patch_of[i] = patches.len();
-            let normal = primitives.normal(PrimId(i as u32), 0, DVec3::ZERO);
-            patches.push(Patch { triangles: Vec::new(), normal, centroid: DVec3::ZERO });
-        }
-        patch_of[i] = patch_of[r];
-        patches[patch_of[i]].triangles.push(i);
-    }
-    for patch in &mut patches {
-        let mut area = 0.0;
-        for &i in &patch.triangles {
-            let [a, b, c] = corners[i].map(|v| primitives.vertex(v));
-            let part = (b - a).cross(c - a).length();
-            area += part;
-            patch.centroid += part * (a + b + c) / 3.0;
-        }
-        patch.centroid /= area;
-    }
-    (patches, patch_of)
-}
-
-/// Edges between two patches, with the patches.
-fn creases(corners: &[[u32; 3]], patch_of: &[usize]) -> Vec<([u32; 2], [usize; 2])> {
-    let mut first: HashMap<[u32; 2], usize> = HashMap::new();
-    let mut out = Vec::new();
-    for (&[a, b, c], &patch) in corners.iter().zip(patch_of) {
-        for (p, q) in [(a, b), (b, c), (c, a)] {
-            let edge = [p.min(q), p.max(q)];
-            match first.remove(&edge) {
-                Some(other) if other != patch => out.push((edge, [other, patch])),
-                Some(_) => {}
-                None => {
-                    first.insert(edge, patch);
-                }
+    for coplanar in sorted.chunk_by(|&a, &b| surface(a) == surface(b)).filter(|part| part.len() > 1) {
+        // Triangles are joined through corners.
+        let mut joints: FxHashMap<u32, u32> = FxHashMap::default();
+        for &i in coplanar {
+            for v in corners[i as usize] {
+                let other = *joints.entry(v).or_insert(i);
+                let (x, y) = (find(&mut root, i), find(&mut root, other));
+                root[x.max(y) as usize] = x.min(y);
             }
         }
     }
-    out
+    for i in 0..root.len() as u32 {
+        root[i as usize] = find(&mut root, i);
+    }
+    root
+}
+
+fn patch<'a>(primitives: &Primitives, corners: &[[u32; 3]], triangles: &'a [u32]) -> Patch<'a> {
+    let (mut area, mut centroid) = (0.0, DVec3::ZERO);
+    for &i in triangles {
+        let [a, b, c] = corners[i as usize].map(|v| primitives.vertex(v));
+        let part = (b - a).cross(c - a).length();
+        area += part;
+        centroid += part * (a + b + c) / 3.0;
+    }
+    Patch { triangles, normal: primitives.normal(PrimId(triangles[0]), 0, DVec3::ZERO), centroid: centroid / area }
+}
+
+/// The edges of a triangle, each with its lower corner first.
+fn edges([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+    [(a, b), (b, c), (c, a)].map(|(p, q)| [p.min(q), p.max(q)])
+}
+
+/// Edges between two patches, with the patches.
+fn creases(corners: &[[u32; 3]], patch_of: &[u32]) -> Vec<([u32; 2], [u32; 2])> {
+    let of_triangle = |i: usize| edges(corners[i]).map(|edge| (edge, i as u32));
+    let mut all: Vec<([u32; 2], u32)> = (0..corners.len()).into_par_iter().flat_map_iter(of_triangle).collect();
+    all.par_sort_unstable();
+    // More than two triangles at an edge are taken two by two.
+    let pairs = all.chunk_by(|a, b| a.0 == b.0).flat_map(|at_edge| at_edge.chunks_exact(2));
+    let pairs = pairs.map(|pair| (pair[0].0, [pair[0].1, pair[1].1].map(|i| patch_of[i as usize])));
+    pairs.filter(|(_, [a, b])| a != b).collect()
 }
 
 fn distance_to_line(p: DVec3, [a, b]: [DVec3; 2]) -> f64 {
@@ -192,13 +189,10 @@ fn distance_to_line(p: DVec3, [a, b]: [DVec3; 2]) -> f64 {
 
 /// The narrowest gap through which a flat face passes: one of its outer edges lies along a wall of it.
 fn flat_width(primitives: &Primitives, corners: &[[u32; 3]], patch: &Patch) -> f64 {
-    let mut outline: HashMap<[u32; 2], bool> = HashMap::new();
-    for &[a, b, c] in patch.triangles.iter().map(|&i| &corners[i]) {
-        for (p, q) in [(a, b), (b, c), (c, a)] {
-            outline.entry([p.min(q), p.max(q)]).and_modify(|outer| *outer = false).or_insert(true);
-        }
-    }
-    let outline = outline.into_iter().filter(|(_, outer)| *outer).map(|(edge, _)| edge.map(|v| primitives.vertex(v)));
+    let mut all: Vec<[u32; 2]> = patch.triangles.iter().flat_map(|&i| edges(corners[i as usize])).collect();
+    all.sort_unstable();
+    let outline = all.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
+    let outline = outline.map(|same| same[0].map(|v| primitives.vertex(v)));
     let outline: Vec<[DVec3; 2]> = outline.collect();
     let extent = |edge: &[DVec3; 2]| {
         let across = patch.normal.cross(edge[1] - edge[0]).normalize_or_zero();

@@ -1,14 +1,23 @@
 //! Which faces could be parallel to a face: plane ones by their normals, then by their place. A mesh has many faces near
 //! each, and few of its direction.
 
+use std::ops::Range;
+
 use glam::DVec3;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::face::{Face, TILT};
 use crate::geometry::{Aabb, Pairs};
 
-/// Width of a cell of directions: what is parallel is in the same cell or in one beside it.
+/// Width of a cell of directions: what is parallel is in one of two cells along each axis.
 const CELL: f64 = 2.0 * TILT;
+
+/// Above rounding of unit normals.
+const ROUNDING: f64 = 1e-9;
+
+/// So few faces are compared one by one.
+const FEW: usize = 32;
 
 /// Faces with their bounds.
 #[derive(Default)]
@@ -17,105 +26,90 @@ struct Group<'f> {
     boxes: Vec<Aabb>,
 }
 
-impl<'f> Group<'f> {
-    fn push(&mut self, face: &'f Face) {
-        self.faces.push(face);
-        self.boxes.push(face.seen(0.0, 0.0));
+impl<'f> FromIterator<&'f Face> for Group<'f> {
+    fn from_iter<I: IntoIterator<Item = &'f Face>>(faces: I) -> Self {
+        let faces: Vec<&Face> = faces.into_iter().collect();
+        let boxes = faces.iter().map(|face| face.seen(0.0, 0.0)).collect();
+        Self { faces, boxes }
     }
 }
 
-/// Faces by direction: those of one cell of normals together, and all curved ones.
+/// Faces by direction: plane ones sorted by the cell of their normals, and all curved ones.
 pub struct Groups<'f> {
-    plane: Vec<Group<'f>>,
-    cells: FxHashMap<[i32; 3], usize>,
+    plane: Group<'f>,
+    /// Which of the plane faces are in a cell.
+    cells: FxHashMap<[i16; 3], Range<usize>>,
     curved: Group<'f>,
+    /// All faces, where there are curved ones.
     all: Group<'f>,
 }
 
 impl<'f> Groups<'f> {
     /// Sorts faces.
     pub fn new(faces: &'f [Face]) -> Self {
-        let mut groups =
-            Self { plane: Vec::new(), cells: FxHashMap::default(), curved: Group::default(), all: Group::default() };
-        for face in faces {
-            let Some(normal) = face.normal() else {
-                groups.curved.push(face);
-                continue;
-            };
-            let at = *groups.cells.entry(cell(normal)).or_insert_with(|| {
-                groups.plane.push(Group::default());
-                groups.plane.len() - 1
-            });
-            groups.plane[at].push(face);
+        let cell_of = |face: &'f Face| face.normal().map(|n| ((n / CELL).floor().to_array().map(|x| x as i16), face));
+        let mut sorted: Vec<_> = faces.par_iter().filter_map(cell_of).collect();
+        sorted.par_sort_by_key(|(cell, _)| *cell);
+        let mut cells: FxHashMap<[i16; 3], Range<usize>> = FxHashMap::default();
+        let mut begin = 0;
+        for part in sorted.chunk_by(|a, b| a.0 == b.0) {
+            cells.insert(part[0].0, begin..begin + part.len());
+            begin += part.len();
         }
-        if !groups.curved.faces.is_empty() {
-            faces.iter().for_each(|face| groups.all.push(face));
-        }
-        groups
+        let curved: Group = faces.iter().filter(|face| face.normal().is_none()).collect();
+        let all = if curved.faces.is_empty() { Group::default() } else { faces.iter().collect() };
+        Self { plane: sorted.into_iter().map(|(_, face)| face).collect(), cells, curved, all }
     }
 
-    /// Ready to be searched.
-    pub fn searches(&self) -> Searches<'_, 'f> {
-        Searches {
-            plane: self.plane.iter().map(Search::new).collect(),
-            cells: &self.cells,
-            curved: Search::new(&self.curved),
-            all: Search::new(&self.all),
-        }
+    /// Which faces have a parallel one within `reach` µm.
+    pub fn parallel(&self, reach: f64, wavelength: f64) -> Vec<&'f Face> {
+        let Self { plane, cells, curved, all } = self;
+        let parts: FxHashMap<[i16; 3], Search> =
+            cells.par_iter().map(|(cell, part)| (*cell, Search::new(plane, part.clone()))).collect();
+        let whole = |group| Search::new(group, 0..group.faces.len());
+        let (curved, all) = (whole(curved), whole(all));
+        let has = |face: &Face| {
+            let seen = face.seen(reach, wavelength);
+            let any = |search: &Search| search.any(face, &seen, reach, wavelength);
+            let Some(normal) = face.normal() else { return any(&all) };
+            let near = [normal, -normal].into_iter().flat_map(near);
+            near.filter_map(|cell| parts.get(&cell)).any(any) || any(&curved)
+        };
+        // In the order of their directions, so that what is compared is at hand.
+        self.plane.faces.par_iter().chain(&self.curved.faces).copied().filter(|face| has(face)).collect()
     }
 }
 
-fn cell(normal: DVec3) -> [i32; 3] {
-    (normal / CELL).round().to_array().map(|x| x as i32)
+/// The cells of what is parallel to a normal.
+fn near(normal: DVec3) -> impl Iterator<Item = [i16; 3]> {
+    let cells = |by: f64| ((normal + by) / CELL).floor().to_array().map(|x| x as i16);
+    let (low, high) = (cells(-TILT - ROUNDING), cells(TILT + ROUNDING));
+    let along = move |axis: usize| low[axis]..=high[axis];
+    along(0).flat_map(move |x| along(1).flat_map(move |y| along(2).map(move |z| [x, y, z])))
 }
 
+/// Some of a group, ready to be searched by place.
 struct Search<'g, 'f> {
-    group: &'g Group<'f>,
+    faces: &'g [&'f Face],
+    boxes: &'g [Aabb],
     /// None for few faces, which are compared one by one.
     pairs: Option<Pairs<'g>>,
 }
 
-/// So few faces are compared one by one.
-const FEW: usize = 16;
-
 impl<'g, 'f> Search<'g, 'f> {
-    fn new(group: &'g Group<'f>) -> Self {
-        Self { group, pairs: (group.faces.len() > FEW).then(|| Pairs::new(&group.boxes)) }
+    fn new(group: &'g Group<'f>, part: Range<usize>) -> Self {
+        let boxes = &group.boxes[part.clone()];
+        Self { faces: &group.faces[part], boxes, pairs: (boxes.len() > FEW).then(|| Pairs::new(boxes)) }
     }
 
     fn any(&self, face: &Face, seen: &Aabb, reach: f64, wavelength: f64) -> bool {
-        let Group { faces, boxes } = self.group;
-        let is_parallel = |j: usize| face.parallel_to(faces[j], reach, wavelength);
+        let is_parallel = |j: usize| face.parallel_to(self.faces[j], reach, wavelength);
         let Some(pairs) = &self.pairs else {
-            return (0..faces.len()).any(|j| boxes[j].overlaps(*seen) && is_parallel(j));
+            return (0..self.faces.len()).any(|j| self.boxes[j].overlaps(*seen) && is_parallel(j));
         };
         let mut found = false;
         pairs.overlapping(seen, |j| found = found || is_parallel(j));
         found
-    }
-}
-
-/// Faces that can be searched by direction and place.
-pub struct Searches<'g, 'f> {
-    plane: Vec<Search<'g, 'f>>,
-    cells: &'g FxHashMap<[i32; 3], usize>,
-    curved: Search<'g, 'f>,
-    all: Search<'g, 'f>,
-}
-
-impl Searches<'_, '_> {
-    /// Whether a face has a parallel one within `reach` µm.
-    pub fn any(&self, face: &Face, reach: f64, wavelength: f64) -> bool {
-        let seen = face.seen(reach, wavelength);
-        let Some(normal) = face.normal() else { return self.all.any(face, &seen, reach, wavelength) };
-        let near = |n: DVec3| {
-            let [x, y, z] = cell(n);
-            let around = move |c: i32| c - 1..=c + 1;
-            around(x).flat_map(move |x| around(y).flat_map(move |y| around(z).map(move |z| [x, y, z])))
-        };
-        let groups = near(normal).chain(near(-normal)).filter_map(|cell| self.cells.get(&cell));
-        groups.into_iter().any(|&at| self.plane[at].any(face, &seen, reach, wavelength))
-            || self.curved.any(face, &seen, reach, wavelength)
     }
 }
 
@@ -155,14 +149,15 @@ mod tests {
         let primitives = builder.finish();
         let all: Vec<Face> = (0..primitives.len() as u32).flat_map(|i| faces(&primitives, PrimId(i))).collect();
         let groups = Groups::new(&all);
-        let searches = groups.searches();
-        let mut found = 0;
-        for face in &all {
-            let (reach, wavelength) = (3.0, 0.2);
-            let expected = all.iter().any(|other| face.parallel_to(other, reach, wavelength));
-            assert_eq!(searches.any(face, reach, wavelength), expected);
-            found += usize::from(expected);
-        }
-        assert!(found > 30 && found < all.len() - 30, "{found} of {}", all.len());
+        let (reach, wavelength) = (3.0, 0.2);
+        let sorted = |faces: Vec<&Face>| {
+            let mut numbers: Vec<(u32, u8)> = faces.iter().map(|f| (f.prim.0, f.number)).collect();
+            numbers.sort_unstable();
+            numbers
+        };
+        let has = |face: &&Face| all.iter().any(|other| face.parallel_to(other, reach, wavelength));
+        let expected = sorted(all.iter().filter(has).collect());
+        assert_eq!(sorted(groups.parallel(reach, wavelength)), expected);
+        assert!(expected.len() > 30 && expected.len() < all.len() - 30, "{} of {}", expected.len(), all.len());
     }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use rayon::prelude::*;
+
 use super::face::{Face, faces};
 use super::neighbours::Groups;
 use crate::geometry::{Layer, PrimId, Primitives, Shape};
@@ -74,24 +76,23 @@ impl Marks {
 
     fn mark_bounded(&mut self, primitives: &Primitives, reach: f64, wavelength: f64) {
         let count = primitives.bounded_count() as u32;
-        let bounded: Vec<Face> = (0..count).flat_map(|i| faces(primitives, PrimId(i))).collect();
+        let bounded: Vec<Face> = (0..count).into_par_iter().flat_map_iter(|i| faces(primitives, PrimId(i))).collect();
         let levels = (count..primitives.len() as u32).flat_map(|i| faces(primitives, PrimId(i)));
         let levels: Vec<Face> = levels.collect();
-        let groups = Groups::new(&bounded);
-        let searches = groups.searches();
-        for face in &bounded {
-            let mut parallel = searches.any(face, reach, wavelength);
-            if face.may_face_a_level(wavelength) {
-                for level in levels.iter().filter(|l| face.parallel_to(l, reach, wavelength)) {
-                    parallel = true;
-                    self.set(level.prim, level.number);
-                }
-            }
-            if parallel {
-                self.set(face.prim, face.number);
-                self.curved.extend(face.radius().map(f64::to_bits));
+        for face in Groups::new(&bounded).parallel(reach, wavelength) {
+            self.mark(face);
+        }
+        for face in bounded.iter().filter(|f| f.may_face_a_level(wavelength)) {
+            for level in levels.iter().filter(|l| face.parallel_to(l, reach, wavelength)) {
+                self.mark(face);
+                self.mark(level);
             }
         }
+    }
+
+    fn mark(&mut self, face: &Face) {
+        self.set(face.prim, face.number);
+        self.curved.extend(face.radius().map(f64::to_bits));
     }
 }
 
