@@ -14,7 +14,7 @@ mod limit {
     use gonio_embree::intersect::embree::Bare;
     use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelengths};
     use gonio_embree::optics::field::{Field, Stokes};
-    use gonio_embree::plan::{Limits, Options, Plan};
+    use gonio_embree::plan::{Options, Plan};
     use gonio_embree::sample::{Description, Sample};
     use gonio_embree::trace::{All, Batch, Detect, Exit, Kernel, Recorder, Unit, run};
 
@@ -80,7 +80,7 @@ mod limit {
         rays
     }
 
-    pub fn case(name: &str, description: &Description, wavelengths: usize, limits: Limits) {
+    pub fn case(name: &str, description: &Description, wavelengths: usize, options: Options) {
         // Some cases only: cargo bench --bench limit -- feather
         let mut wanted = std::env::args().skip(1).filter(|a| !a.starts_with("--")).peekable();
         if wanted.peek().is_some() && !wanted.any(|w| name.contains(&w)) {
@@ -90,7 +90,6 @@ mod limit {
         let start = Instant::now();
         let sample = Sample::new(description, &light.wavelengths, light.coherence()).unwrap();
         let built = start.elapsed().as_secs_f64();
-        let options = Options { limits, ..Options::default() };
         let rays = record(&sample, &light, &options);
         let bare = Bare::new(&sample.primitives);
         let settings = |threads| Settings { trees: 200_000, threads, options, ..Settings::default() };
@@ -113,7 +112,7 @@ mod limit {
             }
         }
         println!(
-            "{name:34} {:8.2} {:8.2} {:8.2} {:6.2} {:6.2} {:7.2}",
+            "{name:42} {:8.2} {:8.2} {:8.2} {:6.2} {:6.2} {:7.2}",
             whole[0] / 1e6,
             whole[1] / 1e6,
             raw / 1e6,
@@ -126,29 +125,31 @@ mod limit {
 
 #[cfg(has_embree)]
 fn main() {
-    use gonio_embree::plan::Limits;
+    use gonio_embree::plan::{Limits, Options, Wanted};
     use gonio_embree::sample::Description;
 
     println!(
-        "{:34} {:>8} {:>8} {:>8} {:>6} {:>6} {:>7}",
+        "{:42} {:>8} {:>8} {:>8} {:>6} {:>6} {:>7}",
         "one thread", "Mtree/s", "Mseg/s", "bare", "part", "2 thr", "build/s"
     );
     let of = |text: &str| Description::from_text(text).unwrap().0;
-    let path = Limits { depth: 64, splits: Some(0), ..Limits::default() };
+    let path = Options { limits: Limits { depth: 64, splits: Some(0), ..Limits::default() }, ..Options::default() };
+    let all = Options { wanted: Wanted::ALL, ..path };
     for (name, matrix) in [("14,000 spheres n 1.5 in 1.33", "1.33"), ("14,000 spheres n 1.5 in 1.52", "1.52")] {
         let text = format!(
             "[sample]\nabove = \"m\"\nbelow = \"m\"\n[media]\nm = {matrix}\nglass = 1.5\n[[generate]]\nkind = \"packing\"\n\
              count = 14000\nradius = 1.0077\nsize = [100, 100, 20]\nmedium = \"glass\"\nseed = 1\n"
         );
         limit::case(&format!("{name}, 1 λ"), &of(&text), 1, path);
-        limit::case(&format!("{name}, 16 λ"), &of(&text), 16, path);
+        limit::case(&format!("{name}, 20 λ"), &of(&text), 20, path);
+        limit::case(&format!("{name}, 20 λ, phases"), &of(&text), 20, all);
     }
     let feather = "[media]\nplatelet = 2.0\ncore = 1.5\n[[generate]]\nkind = \"bricks\"\nmedium = \"platelet\"\ncore = \"core\"\n";
-    limit::case("feather, 16 λ", &of(feather), 16, Limits::default());
+    limit::case("feather, 16 λ", &of(feather), 16, Options::default());
     let rough = "[[generate]]\nkind = \"rough\"\nrms = 0.5\nlength = 4\nsize = [100, 100]\npoints = [500, 500]\nmedium = \"glass\"\nseed = 1\n[media]\nglass = 1.5\n";
-    limit::case("relief of 500,000 triangles, 1 λ", &of(rough), 1, Limits::default());
+    limit::case("relief of 500,000 triangles, 1 λ", &of(rough), 1, Options::default());
     let web = Description::from_toml("assets/samples/web-random.toml".as_ref()).unwrap();
-    limit::case("fibre web, 1 λ", &web, 1, Limits::default());
+    limit::case("fibre web, 1 λ", &web, 1, Options::default());
 }
 
 #[cfg(not(has_embree))]

@@ -85,33 +85,38 @@ impl Grid {
     fn new(boxes: &[Aabb], size: DVec3) -> Self {
         let buckets = (2 * boxes.len()).next_power_of_two();
         let mut grid = Self { size, starts: vec![0; buckets + 1], sorted: Vec::new(), large: Vec::new() };
-        let mut placed: Vec<(u32, u32)> = Vec::with_capacity(8 * boxes.len());
+        // Counted first, so that nothing is kept that is not needed later.
         for (i, b) in boxes.iter().enumerate() {
             match grid.range(b) {
-                Some(cells) => placed.extend(cells.map(|c| (grid.bucket(c) as u32, i as u32))),
+                Some(cells) => cells.for_each(|cell| *grid.end_of(cell) += 1),
                 None if !b.is_empty() => grid.large.push(i as u32),
                 None => {}
             }
         }
-        grid.sort(&placed);
+        for b in 1..grid.starts.len() {
+            grid.starts[b] += grid.starts[b - 1];
+        }
+        // Filled from behind, until what was the end of each bucket is its beginning, and the end of the one before.
+        grid.sorted = vec![0; grid.starts.last().map_or(0, |&all| all as usize)];
+        for (i, b) in boxes.iter().enumerate().rev() {
+            for cell in grid.range(b).into_iter().flatten() {
+                let end = grid.end_of(cell);
+                *end -= 1;
+                let at = *end as usize;
+                grid.sorted[at] = i as u32;
+            }
+        }
+        grid.starts.rotate_left(1);
+        if let Some(end) = grid.starts.last_mut() {
+            *end = grid.sorted.len() as u32;
+        }
         grid
     }
 
-    /// Sorts (bucket, box) by bucket, by counting.
-    fn sort(&mut self, placed: &[(u32, u32)]) {
-        for (bucket, _) in placed {
-            self.starts[*bucket as usize + 1] += 1;
-        }
-        for b in 1..self.starts.len() {
-            self.starts[b] += self.starts[b - 1];
-        }
-        let mut next = self.starts.clone();
-        self.sorted = vec![0; placed.len()];
-        for &(bucket, i) in placed {
-            let at = &mut next[bucket as usize];
-            self.sorted[*at as usize] = i;
-            *at += 1;
-        }
+    /// Where the bucket of a cell ends, while that is being found out.
+    fn end_of(&mut self, cell: I64Vec3) -> &mut u32 {
+        let bucket = self.bucket(cell);
+        &mut self.starts[bucket + 1]
     }
 
     /// The bucket of a cell; others may share it.

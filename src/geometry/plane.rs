@@ -42,7 +42,6 @@ impl Plane {
 }
 
 /// Collects planes, giving coplanar faces the same index.
-#[derive(Default)]
 pub(super) struct PlaneSet {
     planes: Vec<Plane>,
     /// The latest plane of a cell.
@@ -60,6 +59,12 @@ impl PlaneSet {
 
     /// Planes of a cell that are compared, the latest: a gentle relief has thousands that are nearly, not quite, one.
     const MOST: usize = 256;
+
+    /// Room for so many planes.
+    pub fn with_capacity(planes: usize) -> Self {
+        let cells = FxHashMap::with_capacity_and_hasher(planes, Default::default());
+        Self { planes: Vec::with_capacity(planes), cells, before: Vec::with_capacity(planes) }
+    }
 
     /// The index of the plane through `points` with unit normal `normal`, and whether `normal` points against
     /// the normal of the stored plane.
@@ -126,7 +131,7 @@ mod tests {
 
     #[test]
     fn coplanar_faces_share_a_plane_and_others_do_not() {
-        let mut set = PlaneSet::default();
+        let mut set = PlaneSet::with_capacity(0);
         let n = DVec3::new(0.3, -0.5, 0.81).normalize();
         let (u, v) = n.any_orthonormal_pair();
         let base = 7.0 * n;

@@ -1,8 +1,7 @@
 //! All primitives of a sample in flat lists, and what each says to a ray.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 use super::plane::PlaneSet;
 use super::triangle::meet;
@@ -89,9 +88,15 @@ impl<T, const FACES: usize> Default for List<T, FACES> {
 }
 
 impl<T, const FACES: usize> List<T, FACES> {
-    fn push(&mut self, shape: T, surfaces: [SurfaceId; FACES], owner: u32) {
+    fn push(&mut self, shape: T, owner: u32) {
         self.shapes.push(shape);
-        self.tags.push(Tag { surfaces, owner });
+        self.tags.push(Tag { surfaces: [SurfaceId::NONE; FACES], owner });
+    }
+
+    fn find_surfaces(&mut self, mut surfaces: impl FnMut(&T) -> [SurfaceId; FACES]) {
+        for (shape, tag) in self.shapes.iter().zip(&mut self.tags) {
+            tag.surfaces = surfaces(shape);
+        }
     }
 
     fn len(&self) -> usize {
@@ -127,61 +132,63 @@ pub struct Primitives {
 /// Collects shapes; [`Builder::finish`] finds out which faces coincide.
 #[derive(Default)]
 pub struct Builder {
-    vertices: Vec<DVec3>,
-    shapes: Vec<(Shape, u32)>,
+    /// Without surfaces.
+    primitives: Primitives,
 }
 
 impl Builder {
     /// Adds a corner for triangles; returns its index.
     pub fn vertex(&mut self, p: DVec3) -> u32 {
-        self.vertices.push(p);
-        u32::try_from(self.vertices.len() - 1).expect("fewer than 2^32 vertices")
+        let vertices = &mut self.primitives.vertices;
+        vertices.push(p);
+        u32::try_from(vertices.len() - 1).expect("fewer than 2^32 vertices")
     }
 
     /// Adds a shape that belongs to solid number `owner`.
     pub fn add(&mut self, shape: Shape, owner: u32) {
-        self.shapes.push((shape, owner));
+        let Primitives { triangles, spheres, cylinders, cuboids, layers, .. } = &mut self.primitives;
+        match shape {
+            Shape::Triangle(t) => triangles.push(t, owner),
+            Shape::Sphere(s) => spheres.push(s, owner),
+            Shape::Cylinder(c) => cylinders.push(c, owner),
+            Shape::Cuboid(b) => cuboids.push(b, owner),
+            Shape::Layer(l) => layers.push(l, owner),
+        }
     }
 
-    /// Gives coincident faces one [`SurfaceId`] and sorts everything into lists. Primitives are numbered by kind
-    /// and, within a kind, in the order they were added.
+    /// Gives coincident faces one [`SurfaceId`]. Primitives are numbered by kind and, within a kind, in the order they were
+    /// added.
     pub fn finish(self) -> Primitives {
-        let mut planes = PlaneSet::default();
-        let mut curved = HashMap::new();
-        let mut out = Primitives { vertices: self.vertices, ..Primitives::default() };
-        for (shape, owner) in self.shapes {
-            match shape {
-                Shape::Triangle(t) => {
-                    let corners = t.corners.map(|i| out.vertices[i as usize]);
-                    let plane = planes.add(triangle_normal(corners), &corners).0;
-                    out.triangles.push(t, [plane_id(plane)], owner);
-                }
-                Shape::Sphere(s) => {
-                    let key = [s.center.x, s.center.y, s.center.z, s.radius].map(f64::to_bits);
-                    let surfaces = [curved_id(&mut curved, key.to_vec())];
-                    out.spheres.push(s, surfaces, owner);
-                }
-                Shape::Cylinder(c) => {
-                    let v = [c.from, c.axis, c.u].map(|v| v.to_array()).concat();
-                    let key = v.iter().chain(&c.radii).map(|x| x.to_bits()).collect();
-                    let [first, second] = c.ends().map_or([SurfaceId::NONE; 2], |ends| {
-                        ends.map(|p| plane_id(planes.add(p.normal, &end_points(&c, &p)).0))
-                    });
-                    let surfaces = [curved_id(&mut curved, key), first, second];
-                    out.cylinders.push(c, surfaces, owner);
-                }
-                Shape::Cuboid(b) => {
-                    let faces = std::array::from_fn(|f| planes.add(Cuboid::normal(f as u8), &[b.corner(f as u8)]).0);
-                    out.cuboids.push(b, faces.map(plane_id), owner);
-                }
-                Shape::Layer(l) => {
-                    let faces = [l.bottom, l.top].map(|z| {
-                        if z.is_finite() { plane_id(planes.add(DVec3::Z, &[z * DVec3::Z]).0) } else { SurfaceId::NONE }
-                    });
-                    out.layers.push(l, faces, owner);
-                }
-            }
-        }
+        let mut out = self.primitives;
+        let mut planes = PlaneSet::with_capacity(out.triangles.len());
+        let vertices = &out.vertices;
+        out.triangles.find_surfaces(|t| {
+            let corners = t.corners.map(|i| vertices[i as usize]);
+            [plane_id(planes.add(triangle_normal(corners), &corners).0)]
+        });
+        let mut spheres = FxHashMap::default();
+        out.spheres.find_surfaces(|s| {
+            let [x, y, z] = s.center.to_array();
+            [curved_id(&mut spheres, 0, [x, y, z, s.radius])]
+        });
+        let (before, mut mantles) = (spheres.len(), FxHashMap::default());
+        drop(spheres);
+        out.cylinders.find_surfaces(|c| {
+            let [from, axis, u] = [c.from, c.axis, c.u].map(|v| v.to_array());
+            let form = [from, axis, u, [c.radii[0], c.radii[1], 0.0]];
+            let form: [f64; 12] = form.as_flattened().try_into().expect("four times three numbers");
+            let [first, second] = c.ends().map_or([SurfaceId::NONE; 2], |ends| {
+                ends.map(|p| plane_id(planes.add(p.normal, &end_points(c, &p)).0))
+            });
+            [curved_id(&mut mantles, before, form), first, second]
+        });
+        out.cuboids.find_surfaces(|b| {
+            std::array::from_fn(|f| plane_id(planes.add(Cuboid::normal(f as u8), &[b.corner(f as u8)]).0))
+        });
+        out.layers.find_surfaces(|l| {
+            let mut level = |z: f64| plane_id(planes.add(DVec3::Z, &[z * DVec3::Z]).0);
+            [l.bottom, l.top].map(|z| if z.is_finite() { level(z) } else { SurfaceId::NONE })
+        });
         out.planes = planes.into_planes();
         out.number_curved_surfaces_after_planes();
         out.settle_on_planes();
@@ -209,10 +216,10 @@ fn plane_id(index: u32) -> SurfaceId {
     SurfaceId(index + 1)
 }
 
-/// Curved surfaces are numbered from 1 while planes are still being found.
-fn curved_id(known: &mut HashMap<Vec<u64>, u32>, key: Vec<u64>) -> SurfaceId {
-    let next = u32::try_from(known.len() + 1).expect("fewer than 2^32 surfaces");
-    SurfaceId(*known.entry(key).or_insert(next))
+/// Curved surfaces are numbered from 1 while planes are still being found; `before` others have been.
+fn curved_id<const N: usize>(known: &mut FxHashMap<[u64; N], u32>, before: usize, form: [f64; N]) -> SurfaceId {
+    let next = u32::try_from(before + known.len() + 1).expect("fewer than 2^32 surfaces");
+    SurfaceId(*known.entry(form.map(f64::to_bits)).or_insert(next))
 }
 
 impl Primitives {
@@ -241,7 +248,7 @@ impl Primitives {
     fn collect_levels(&self) -> Vec<Level> {
         let first = self.bounded_count() as u32;
         let mut levels: Vec<Level> = Vec::new();
-        let mut known: HashMap<SurfaceId, usize> = HashMap::new();
+        let mut known: FxHashMap<SurfaceId, usize> = FxHashMap::default();
         for (i, (layer, Tag { surfaces, .. })) in self.layers.shapes.iter().zip(&self.layers.tags).enumerate() {
             for (face, z) in [(Layer::BOTTOM, layer.bottom), (Layer::TOP, layer.top)] {
                 let surface = surfaces[usize::from(face)];

@@ -216,7 +216,8 @@ impl All {
     /// The crossings by (distance, surface, primitive), each once.
     pub fn sorted(&mut self) -> &[Hit] {
         let key = |h: &Hit| (h.order.surface, h.crossing);
-        self.hits.sort_by(|a, b| a.order.t.total_cmp(&b.order.t).then_with(|| key(a).cmp(&key(b))));
+        let by_place = |a: &Hit, b: &Hit| a.order.t.total_cmp(&b.order.t).then_with(|| key(a).cmp(&key(b)));
+        self.hits.sort_unstable_by(by_place);
         self.hits.dedup();
         &self.hits
     }

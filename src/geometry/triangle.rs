@@ -15,35 +15,55 @@ pub struct Triangle {
 /// that two triangles see the same projected corner, bit for bit (Woop, Benthin and Wald, JCGT 2(1), 2013, §3).
 #[derive(Clone, Copy, Debug)]
 pub struct Shear {
-    along: [u8; 3],
+    axis: Axis,
     by: DVec3,
+}
+
+/// The axis along which a ray goes furthest.
+#[derive(Clone, Copy, Debug)]
+enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl Axis {
+    /// The coordinates of `v`, this one last. A branch that is nearly always foretold, where an index would go through memory.
+    #[inline(always)]
+    fn last(self, v: DVec3) -> [f64; 3] {
+        match self {
+            Self::X => [v.y, v.z, v.x],
+            Self::Y => [v.z, v.x, v.y],
+            Self::Z => [v.x, v.y, v.z],
+        }
+    }
 }
 
 impl Shear {
     /// Where there are no triangles.
-    pub(super) const UNUSED: Self = Self { along: [0, 1, 2], by: DVec3::ZERO };
+    pub(super) const UNUSED: Self = Self { axis: Axis::Z, by: DVec3::ZERO };
 
     /// The map of `ray`.
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         let a = ray.dir.abs();
-        let z = if a.x > a.y && a.x > a.z {
-            0
+        let axis = if a.x > a.y && a.x > a.z {
+            Axis::X
         } else if a.y > a.z {
-            1
+            Axis::Y
         } else {
-            2
+            Axis::Z
         };
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        let inverse = 1.0 / ray.dir[z];
-        Self { along: [x, y, z].map(|i| i as u8), by: DVec3::new(ray.dir[x] * inverse, ray.dir[y] * inverse, inverse) }
+        let [x, y, z] = axis.last(ray.dir);
+        let inverse = 1.0 / z;
+        Self { axis, by: DVec3::new(x * inverse, y * inverse, inverse) }
     }
 
     /// Position across and distance along the ray of a corner.
     #[inline]
     fn project(&self, ray: &Ray, corner: DVec3) -> (DVec2, f64) {
         let p = corner - ray.origin;
-        let [x, y, z] = self.along.map(|i| p[usize::from(i)]);
+        let [x, y, z] = self.axis.last(p);
         (DVec2::new(x - self.by.x * z, y - self.by.y * z), z * self.by.z)
     }
 }

@@ -2,15 +2,19 @@
 //! Woo, *A Fast Voxel Traversal Algorithm for Ray Tracing*, Eurographics 1987). Where the next sphere is only some radii away, a
 //! hierarchy takes longer to find where to begin than this takes to arrive.
 
-use glam::{DVec3, IVec3};
+use std::hint::select_unpredictable;
+
+use glam::{DVec3, I64Vec3, IVec3, Vec3};
 
 use super::proxy;
-use crate::geometry::{Aabb, Kind, PrimId, Primitives, Query, Ray, Sink};
+use crate::geometry::{Aabb, Kind, PrimId, Primitives, Query, Sink};
 
 /// Edge of a cell, in mean radii.
 const EDGE: f64 = 1.5;
-/// Spheres are taken to be larger by this part of an edge, far more than rounding can move a ray.
+/// A sphere is in all cells from which it is away by this part of an edge, far more than rounding can move a ray.
 const PAD: f64 = 1e-6;
+/// Spheres are taken to be larger by this part of the greatest extent of all, some times what single precision can err.
+const MARGIN: f64 = 4e-6;
 /// Fewest and most spheres, greatest ratio of their radii, and least share of their box that they fill, for this to be the fastest
 /// (`cargo bench --bench end_to_end`): 1.1 to 1.5 times as fast as a hierarchy. Beyond, both are equal.
 const FEWEST: usize = 200;
@@ -26,27 +30,36 @@ pub struct Grid {
     edge: f64,
     per_edge: f64,
     count: IVec3,
-    /// For each cell where its balls begin in `members`; one more at the end.
+    /// The first sphere.
+    sphere: u32,
+    /// For each cell where its spheres begin in `members`; one more at the end.
     first: Vec<u32>,
     members: Vec<u32>,
-    /// By cell, so that what is near is near in memory.
+    /// By number of the sphere.
     balls: Vec<Ball>,
 }
 
-/// A sphere, somewhat enlarged.
+/// A sphere, somewhat enlarged, from the lowest corner of the grid. In single precision, for all of them should stay in the
+/// cache of a core: who goes through cells waits for memory most of the time.
+#[derive(Clone, Copy)]
 struct Ball {
-    center: DVec3,
-    square: f64,
-    prim: PrimId,
+    center: Vec3,
+    square: f32,
+}
+
+/// A ray from where it enters the grid, in the same coordinates.
+struct Path {
+    origin: Vec3,
+    dir: Vec3,
 }
 
 impl Ball {
     #[inline(always)]
-    fn may_be_met(&self, ray: &Ray) -> bool {
-        let f = ray.origin - self.center;
-        let b = f.dot(ray.dir);
+    fn may_be_met(&self, path: &Path) -> bool {
+        let f = path.origin - self.center;
+        let b = f.dot(path.dir);
         // Past it, or outside of it and on the way off.
-        (f - b * ray.dir).length_squared() <= self.square && (b <= 0.0 || f.length_squared() <= self.square)
+        (f - b * path.dir).length_squared() <= self.square && (b <= 0.0 || f.length_squared() <= self.square)
     }
 }
 
@@ -77,22 +90,31 @@ impl Grid {
         let (low, high) =
             if bounds.is_empty() { (DVec3::ZERO, DVec3::ZERO) } else { (bounds.min - pad, bounds.max + pad) };
         let count = ((high - low) / edge).ceil().as_ivec3().max(IVec3::ONE);
-        let mut grid =
-            Self { low, edge, per_edge: 1.0 / edge, count, first: Vec::new(), members: Vec::new(), balls: Vec::new() };
-        let mut order: Vec<(usize, PrimId)> =
-            ids().map(|id| (grid.number(grid.cell(primitives.bounds(id).center())), id)).collect();
-        order.sort_unstable();
-        grid.fill(order.into_iter().map(|(_, id)| (id, primitives.bounds(id))), domain, pad);
+        let mut grid = Self {
+            low,
+            edge,
+            per_edge: 1.0 / edge,
+            count,
+            sphere: primitives.first(Kind::Sphere).0,
+            first: Vec::new(),
+            members: Vec::new(),
+            balls: Vec::new(),
+        };
+        let margin = pad + MARGIN * (high - low).max_element();
+        let ball = |whole: Aabb| {
+            let radius = 0.5 * whole.size().x + margin;
+            Ball { center: (whole.center() - low).as_vec3(), square: (radius * radius) as f32 }
+        };
+        grid.balls = ids().map(|id| ball(primitives.bounds(id))).collect();
+        grid.fill(ids().map(|id| primitives.bounds(id)), domain, pad);
         grid
     }
 
-    fn fill(&mut self, spheres: impl Iterator<Item = (PrimId, Aabb)>, domain: Aabb, pad: f64) {
+    fn fill(&mut self, spheres: impl Iterator<Item = Aabb>, domain: Aabb, pad: f64) {
         let cells = self.count.as_i64vec3().element_product() as usize;
         let mut pairs: Vec<(u32, u32)> = Vec::new();
-        for (prim, whole) in spheres {
+        for (member, whole) in spheres.enumerate() {
             let (center, radius) = (whole.center(), 0.5 * whole.size().x + pad);
-            let (square, member) = (radius * radius, self.balls.len() as u32);
-            self.balls.push(Ball { center, square, prim });
             let seen = whole.intersection(domain);
             if seen.is_empty() {
                 continue;
@@ -104,8 +126,8 @@ impl Grid {
                         let cell = IVec3::new(x, y, z);
                         let corner = self.low + self.edge * cell.as_dvec3();
                         let nearest = center.clamp(corner - pad, corner + self.edge + pad);
-                        if nearest.distance_squared(center) <= square {
-                            pairs.push((self.number(cell) as u32, member));
+                        if nearest.distance_squared(center) <= radius * radius {
+                            pairs.push((self.number(cell) as u32, member as u32));
                         }
                     }
                 }
@@ -121,7 +143,7 @@ impl Grid {
     /// The cell of a point, or the nearest one.
     #[inline]
     fn cell(&self, p: DVec3) -> IVec3 {
-        ((p - self.low) * self.per_edge).floor().as_ivec3().clamp(IVec3::ZERO, self.count - 1)
+        ((p - self.low) * self.per_edge).max(DVec3::ZERO).as_ivec3().min(self.count - 1)
     }
 
     #[inline]
@@ -138,50 +160,42 @@ impl Grid {
         // Where the ray is within the grid; one along a side of it may give no number, and goes past.
         let (a, b) = ((self.low - ray.origin) * inverse, (high - ray.origin) * inverse);
         let enter = a.min(b).max_element().max(query.from.t).max(0.0);
-        let leave = a.max(b).min_element().min(sink.horizon());
-        if enter > leave || enter.is_nan() || leave.is_nan() {
+        let leave = a.max(b).min_element();
+        if enter > leave.min(sink.horizon()) || enter.is_nan() || leave.is_nan() {
             return;
         }
-        let mut cell = self.cell(ray.at(enter));
+        let start = ray.at(enter);
+        let path = Path { origin: (start - self.low).as_vec3(), dir: ray.dir.as_vec3() };
+        // Spheres are in several cells; those just asked need not be asked again.
+        let mut asked = [u32::MAX; 2];
+        let cell = self.cell(start);
         let forward = ray.dir.cmpgt(DVec3::ZERO);
-        let step =
-            IVec3::new(if forward.x { 1 } else { -1 }, if forward.y { 1 } else { -1 }, if forward.z { 1 } else { -1 });
-        let ahead = DVec3::select(forward, DVec3::ONE, DVec3::ZERO);
         let is_along = ray.dir.cmpeq(DVec3::ZERO);
-        let border = self.low + self.edge * (cell.as_dvec3() + ahead);
+        let border = self.low + self.edge * (cell.as_dvec3() + DVec3::select(forward, DVec3::ONE, DVec3::ZERO));
         let mut next = DVec3::select(is_along, DVec3::INFINITY, (border - ray.origin) * inverse);
         let pace = DVec3::select(is_along, DVec3::INFINITY, self.edge * inverse.abs());
-        let stride = [
-            step.x as isize,
-            step.y as isize * self.count.x as isize,
-            step.z as isize * self.count.x as isize * self.count.y as isize,
-        ];
-        let mut number = self.number(cell) as isize;
-        loop {
-            let at = number as usize;
-            for &member in &self.members[self.first[at] as usize..self.first[at + 1] as usize] {
+        let ways = I64Vec3::select(forward, I64Vec3::ONE, I64Vec3::NEG_ONE);
+        let stride = ways * I64Vec3::new(1, i64::from(self.count.x), i64::from(self.count.x) * i64::from(self.count.y));
+        let mut number = self.number(cell) as i64;
+        // Rounding can lead to a cell that is none, but only where the ray leaves.
+        while let Some(&[from, to]) = self.first.get(number as usize..).and_then(<[u32]>::first_chunk) {
+            for &member in &self.members[from as usize..to as usize] {
                 // Most are missed, which is quickly seen.
-                let ball = &self.balls[member as usize];
-                if ball.may_be_met(ray) {
-                    primitives.propose(query, ball.prim, sink);
+                if self.balls[member as usize].may_be_met(&path) && !asked.contains(&member) {
+                    asked = [asked[1], member];
+                    primitives.propose_sphere(query, member as usize, PrimId(self.sphere + member), sink);
                 }
             }
-            let axis = if next.x < next.y {
-                if next.x < next.z { 0 } else { 2 }
-            } else if next.y < next.z {
-                1
-            } else {
-                2
-            };
-            if next[axis] >= sink.horizon() {
+            let t = next.min_element();
+            if t >= leave || t >= sink.horizon() {
                 return;
             }
-            next[axis] += pace[axis];
-            cell[axis] += step[axis];
-            if cell[axis] < 0 || cell[axis] >= self.count[axis] {
-                return;
-            }
-            number += stride[axis];
+            // Nobody can foretell which side it is.
+            let (x, y) = (next.x == t, next.x != t && next.y == t);
+            number += select_unpredictable(x, stride.x, select_unpredictable(y, stride.y, stride.z));
+            next.x += select_unpredictable(x, pace.x, 0.0);
+            next.y += select_unpredictable(y, pace.y, 0.0);
+            next.z += select_unpredictable(x || y, 0.0, pace.z);
         }
     }
 }

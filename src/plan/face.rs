@@ -11,14 +11,15 @@ pub const PARALLEL: f64 = 1.0 - 0.5e-6;
 /// The same angle, radians.
 pub const TILT: f64 = 1e-3;
 
-/// A face with its form.
-pub struct Face {
+/// A face; its form is looked up when it is asked for, for a sample has millions.
+#[derive(Clone, Copy)]
+pub struct Face<'p> {
+    primitives: &'p Primitives,
     /// Its primitive.
     pub prim: PrimId,
     /// Its number there.
     pub number: u8,
     surface: SurfaceId,
-    form: Form,
 }
 
 enum Form {
@@ -30,6 +31,17 @@ enum Form {
     Level(f64),
     Sphere(Sphere),
     Mantle(Cylinder),
+}
+
+impl Form {
+    /// How far one can go on a curved face until its normal has turned by the allowed tilt, µm.
+    fn flat_spot(&self) -> f64 {
+        match self {
+            Self::Sphere(s) => TILT * s.radius,
+            Self::Mantle(c) => TILT * c.radii[0].max(c.radii[1]).powi(2) / c.radii[0].min(c.radii[1]),
+            _ => 0.0,
+        }
+    }
 }
 
 /// The corners of a convex face.
@@ -50,26 +62,10 @@ impl Deref for Outline {
     }
 }
 
-pub fn faces(primitives: &Primitives, prim: PrimId) -> impl Iterator<Item = Face> {
-    let shape = primitives.shape(prim);
+/// The faces of a primitive.
+pub fn faces(primitives: &Primitives, prim: PrimId) -> impl Iterator<Item = Face<'_>> {
     let surfaces = primitives.faces(prim).iter().enumerate().filter(|(_, surface)| **surface != SurfaceId::NONE);
-    surfaces.map(move |(number, &surface)| {
-        let number = number as u8;
-        let form = match shape {
-            Shape::Triangle(t) => planar(primitives, surface, Outline::Triangle(primitives.corners(t))),
-            Shape::Sphere(s) => Form::Sphere(s),
-            Shape::Cylinder(c) if number == Cylinder::MANTLE => Form::Mantle(c),
-            Shape::Cylinder(c) => planar(primitives, surface, end(&c, number)),
-            Shape::Cuboid(b) => planar(primitives, surface, rectangle(&b, number)),
-            Shape::Layer(l) => Form::Level(if number == Layer::TOP { l.top } else { l.bottom }),
-        };
-        Face { prim, number, surface, form }
-    })
-}
-
-fn planar(primitives: &Primitives, surface: SurfaceId, outline: Outline) -> Form {
-    let normal = primitives.plane(surface).map_or(DVec3::Z, |p| p.normal);
-    Form::Planar { normal, outline }
+    surfaces.map(move |(number, &surface)| Face { primitives, prim, number: number as u8, surface })
 }
 
 /// The rectangle around an elliptic end.
@@ -90,20 +86,38 @@ fn rectangle(b: &Cuboid, number: u8) -> Outline {
     Outline::Rectangle([corner(b.min, b.min), corner(b.max, b.min), corner(b.max, b.max), corner(b.min, b.max)])
 }
 
-impl Face {
+impl Face<'_> {
+    fn form(&self) -> Form {
+        let Self { primitives, prim, number, surface } = *self;
+        let planar = |outline| {
+            let normal = primitives.plane(surface).map_or(DVec3::Z, |p| p.normal);
+            Form::Planar { normal, outline }
+        };
+        match primitives.shape(prim) {
+            Shape::Triangle(t) => planar(Outline::Triangle(primitives.corners(t))),
+            Shape::Sphere(s) => Form::Sphere(s),
+            Shape::Cylinder(c) if number == Cylinder::MANTLE => Form::Mantle(c),
+            Shape::Cylinder(c) => planar(end(&c, number)),
+            Shape::Cuboid(b) => planar(rectangle(&b, number)),
+            Shape::Layer(l) => Form::Level(if number == Layer::TOP { l.top } else { l.bottom }),
+        }
+    }
+
     /// Bounds of everything that could be parallel to it: what lies within `reach` along the normal on either
     /// side, or, for a strongly curved face, what could share its centre.
     pub fn seen(&self, reach: f64, wavelength: f64) -> Aabb {
-        match &self.form {
+        let form = self.form();
+        match &form {
             Form::Planar { normal, outline } => {
-                Aabb::around(outline.iter().flat_map(|&p| [p - reach * *normal, p + reach * *normal]))
+                let (b, along) = (Aabb::around(outline.iter().copied()), (reach * *normal).abs());
+                Aabb { min: b.min - along, max: b.max + along }
             }
             Form::Level(z) => {
                 Aabb { min: DVec3::NEG_INFINITY.with_z(z - reach), max: DVec3::INFINITY.with_z(z + reach) }
             }
-            Form::Sphere(s) if self.flat_spot() < wavelength => Aabb::around([s.center]),
+            Form::Sphere(s) if form.flat_spot() < wavelength => Aabb::around([s.center]),
             Form::Sphere(s) => s.bounds().inflate(reach),
-            Form::Mantle(c) if self.flat_spot() < wavelength && c.length.is_finite() => {
+            Form::Mantle(c) if form.flat_spot() < wavelength && c.length.is_finite() => {
                 Aabb::around([c.from, c.from + c.length * c.axis])
             }
             Form::Mantle(c) => c.bounds().inflate(reach),
@@ -111,13 +125,13 @@ impl Face {
     }
 
     pub fn may_face_a_level(&self, wavelength: f64) -> bool {
-        matches!(&self.form, Form::Planar { normal, .. } if normal.z.abs() >= PARALLEL)
-            || self.flat_spot() >= wavelength
+        let form = self.form();
+        matches!(&form, Form::Planar { normal, .. } if normal.z.abs() >= PARALLEL) || form.flat_spot() >= wavelength
     }
 
     /// The normal of a plane face.
     pub fn normal(&self) -> Option<DVec3> {
-        if let Form::Planar { normal, .. } = &self.form { Some(*normal) } else { None }
+        self.primitives.plane(self.surface).map(|plane| plane.normal)
     }
 
     /// Whether light that meets this face may meet the other as the next of a stack.
@@ -125,7 +139,8 @@ impl Face {
         if self.surface == other.surface {
             return false;
         }
-        match (&self.form, &other.form) {
+        let forms = (self.form(), other.form());
+        match (&forms.0, &forms.1) {
             (Form::Planar { normal, outline }, Form::Planar { normal: n, outline: o }) => {
                 normal.dot(*n).abs() >= PARALLEL
                     && gap(*normal, outline, o) <= reach
@@ -140,9 +155,9 @@ impl Face {
                 concentric && (a.radius - b.radius).abs() <= reach
             }
             (Form::Mantle(a), Form::Mantle(b)) => coaxial(a, b, reach),
-            _ => {
+            (form, other_form) => {
                 self.prim != other.prim
-                    && self.flat_spot().max(other.flat_spot()) >= wavelength
+                    && form.flat_spot().max(other_form.flat_spot()) >= wavelength
                     && self.is_near(other, reach)
             }
         }
@@ -150,19 +165,10 @@ impl Face {
 
     /// The radius of a curved face (the first of a flattened one), µm.
     pub fn radius(&self) -> Option<f64> {
-        match &self.form {
+        match self.form() {
             Form::Sphere(s) => Some(s.radius),
             Form::Mantle(c) => Some(c.radii[0]),
             _ => None,
-        }
-    }
-
-    /// How far one can go on a curved face until its normal has turned by the allowed tilt, µm.
-    fn flat_spot(&self) -> f64 {
-        match &self.form {
-            Form::Sphere(s) => TILT * s.radius,
-            Form::Mantle(c) => TILT * c.radii[0].max(c.radii[1]).powi(2) / c.radii[0].min(c.radii[1]),
-            _ => 0.0,
         }
     }
 

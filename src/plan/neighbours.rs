@@ -19,78 +19,100 @@ const ROUNDING: f64 = 1e-9;
 /// So few faces are compared one by one.
 const FEW: usize = 32;
 
+/// So many faces are work for a thread.
+const ENOUGH: usize = 256;
+
 /// Faces with their bounds.
 #[derive(Default)]
 struct Group<'f> {
-    faces: Vec<&'f Face>,
+    faces: Vec<Face<'f>>,
     boxes: Vec<Aabb>,
 }
 
-impl<'f> FromIterator<&'f Face> for Group<'f> {
-    fn from_iter<I: IntoIterator<Item = &'f Face>>(faces: I) -> Self {
-        let faces: Vec<&Face> = faces.into_iter().collect();
-        let boxes = faces.iter().map(|face| face.seen(0.0, 0.0)).collect();
+impl<'f> Group<'f> {
+    fn new(faces: Vec<Face<'f>>) -> Self {
+        let boxes = faces.par_iter().map(|face| face.seen(0.0, 0.0)).collect();
         Self { faces, boxes }
     }
 }
+
+/// A cell of directions.
+type Cell = [i16; 3];
 
 /// Faces by direction: plane ones sorted by the cell of their normals, and all curved ones.
 pub struct Groups<'f> {
     plane: Group<'f>,
     /// Which of the plane faces are in a cell.
-    cells: FxHashMap<[i16; 3], Range<usize>>,
+    cells: Vec<(Cell, Range<usize>)>,
     curved: Group<'f>,
-    /// All faces, where there are curved ones.
-    all: Group<'f>,
+    /// All faces, where there are curved and plane ones.
+    all: Option<Group<'f>>,
 }
 
 impl<'f> Groups<'f> {
     /// Sorts faces.
-    pub fn new(faces: &'f [Face]) -> Self {
-        let cell_of = |face: &'f Face| face.normal().map(|n| ((n / CELL).floor().to_array().map(|x| x as i16), face));
-        let mut sorted: Vec<_> = faces.par_iter().filter_map(cell_of).collect();
+    pub fn new(faces: &[Face<'f>]) -> Self {
+        let of_face = |face: &Face<'f>| face.normal().map(|normal| (cell(normal), *face));
+        let mut sorted: Vec<(Cell, Face)> = faces.par_iter().filter_map(of_face).collect();
         sorted.par_sort_by_key(|(cell, _)| *cell);
-        let mut cells: FxHashMap<[i16; 3], Range<usize>> = FxHashMap::default();
+        let mut cells = Vec::new();
         let mut begin = 0;
         for part in sorted.chunk_by(|a, b| a.0 == b.0) {
-            cells.insert(part[0].0, begin..begin + part.len());
+            cells.push((part[0].0, begin..begin + part.len()));
             begin += part.len();
         }
-        let curved: Group = faces.iter().filter(|face| face.normal().is_none()).collect();
-        let all = if curved.faces.is_empty() { Group::default() } else { faces.iter().collect() };
-        Self { plane: sorted.into_iter().map(|(_, face)| face).collect(), cells, curved, all }
+        let curved: Vec<Face> = faces.iter().copied().filter(|face| face.normal().is_none()).collect();
+        let mixed = !curved.is_empty() && !sorted.is_empty();
+        let plane = sorted.into_iter().map(|(_, face)| face).collect();
+        let [plane, curved] = [plane, curved].map(Group::new);
+        Self { plane, cells, curved, all: mixed.then(|| Group::new(faces.to_vec())) }
     }
 
     /// Which faces have a parallel one within `reach` µm.
-    pub fn parallel(&self, reach: f64, wavelength: f64) -> Vec<&'f Face> {
+    pub fn parallel(&self, reach: f64, wavelength: f64) -> Vec<Face<'f>> {
         let Self { plane, cells, curved, all } = self;
-        let parts: FxHashMap<[i16; 3], Search> =
-            cells.par_iter().map(|(cell, part)| (*cell, Search::new(plane, part.clone()))).collect();
+        let parts: Vec<Search> = cells.par_iter().map(|(_, part)| Search::new(plane, part.clone())).collect();
+        let number: FxHashMap<Cell, usize> = cells.iter().enumerate().map(|(i, (cell, _))| (*cell, i)).collect();
         let whole = |group| Search::new(group, 0..group.faces.len());
-        let (curved, all) = (whole(curved), whole(all));
-        let has = |face: &Face| {
-            let seen = face.seen(reach, wavelength);
-            let any = |search: &Search| search.any(face, &seen, reach, wavelength);
-            let Some(normal) = face.normal() else { return any(&all) };
-            let near = [normal, -normal].into_iter().flat_map(near);
-            near.filter_map(|cell| parts.get(&cell)).any(any) || any(&curved)
+        let (curved, all) = (&whole(curved), all.as_ref().map(whole));
+        let in_cell = |(cell, part): &(Cell, Range<usize>)| {
+            // One and the other direction of the same planes.
+            let beside = [*cell, cell.map(|x| -1 - x)].map(|at| {
+                let known = around(at).filter_map(|cell| Some((cell, &parts[*number.get(&cell)?])));
+                known.collect::<Vec<(Cell, &Search)>>()
+            });
+            let has = move |face: &Face| {
+                let seen = face.seen(reach, wavelength);
+                let normal = face.normal().expect("plane faces have one");
+                [normal, -normal].into_iter().zip(&beside).any(|(normal, beside)| {
+                    let [low, high] = [-1.0, 1.0].map(|side| self::cell(normal + side * (TILT + ROUNDING)));
+                    let near = |cell: Cell| (0..3).all(|i| low[i] <= cell[i] && cell[i] <= high[i]);
+                    beside.iter().any(|(cell, part)| near(*cell) && part.any(face, &seen, reach, wavelength))
+                }) || curved.any(face, &seen, reach, wavelength)
+            };
+            plane.faces[part.clone()].par_iter().with_min_len(ENOUGH).copied().filter(has)
         };
-        // In the order of their directions, so that what is compared is at hand.
-        self.plane.faces.par_iter().chain(&self.curved.faces).copied().filter(|face| has(face)).collect()
+        let mut found: Vec<Face> = cells.par_iter().flat_map(in_cell).collect();
+        let all = all.as_ref().unwrap_or(curved);
+        let has = |face: &Face| all.any(face, &face.seen(reach, wavelength), reach, wavelength);
+        found.par_extend(self.curved.faces.par_iter().copied().filter(has));
+        found
     }
 }
 
-/// The cells of what is parallel to a normal.
-fn near(normal: DVec3) -> impl Iterator<Item = [i16; 3]> {
-    let cells = |by: f64| ((normal + by) / CELL).floor().to_array().map(|x| x as i16);
-    let (low, high) = (cells(-TILT - ROUNDING), cells(TILT + ROUNDING));
-    let along = move |axis: usize| low[axis]..=high[axis];
-    along(0).flat_map(move |x| along(1).flat_map(move |y| along(2).map(move |z| [x, y, z])))
+fn cell(normal: DVec3) -> Cell {
+    (normal / CELL).floor().to_array().map(|x| x as i16)
+}
+
+/// A cell and those beside it.
+fn around([x, y, z]: Cell) -> impl Iterator<Item = Cell> {
+    let beside = |at: i16| at - 1..=at + 1;
+    beside(x).flat_map(move |x| beside(y).flat_map(move |y| beside(z).map(move |z| [x, y, z])))
 }
 
 /// Some of a group, ready to be searched by place.
 struct Search<'g, 'f> {
-    faces: &'g [&'f Face],
+    faces: &'g [Face<'f>],
     boxes: &'g [Aabb],
     /// None for few faces, which are compared one by one.
     pairs: Option<Pairs<'g>>,
@@ -103,7 +125,7 @@ impl<'g, 'f> Search<'g, 'f> {
     }
 
     fn any(&self, face: &Face, seen: &Aabb, reach: f64, wavelength: f64) -> bool {
-        let is_parallel = |j: usize| face.parallel_to(self.faces[j], reach, wavelength);
+        let is_parallel = |j: usize| face.parallel_to(&self.faces[j], reach, wavelength);
         let Some(pairs) = &self.pairs else {
             return (0..self.faces.len()).any(|j| self.boxes[j].overlaps(*seen) && is_parallel(j));
         };
@@ -150,13 +172,13 @@ mod tests {
         let all: Vec<Face> = (0..primitives.len() as u32).flat_map(|i| faces(&primitives, PrimId(i))).collect();
         let groups = Groups::new(&all);
         let (reach, wavelength) = (3.0, 0.2);
-        let sorted = |faces: Vec<&Face>| {
+        let sorted = |faces: Vec<Face>| {
             let mut numbers: Vec<(u32, u8)> = faces.iter().map(|f| (f.prim.0, f.number)).collect();
             numbers.sort_unstable();
             numbers
         };
-        let has = |face: &&Face| all.iter().any(|other| face.parallel_to(other, reach, wavelength));
-        let expected = sorted(all.iter().filter(has).collect());
+        let has = |face: &Face| all.iter().any(|other| face.parallel_to(other, reach, wavelength));
+        let expected = sorted(all.iter().copied().filter(has).collect());
         assert_eq!(sorted(groups.parallel(reach, wavelength)), expected);
         assert!(expected.len() > 30 && expected.len() < all.len() - 30, "{} of {}", expected.len(), all.len());
     }

@@ -80,7 +80,7 @@ impl Marks {
         let levels = (count..primitives.len() as u32).flat_map(|i| faces(primitives, PrimId(i)));
         let levels: Vec<Face> = levels.collect();
         for face in Groups::new(&bounded).parallel(reach, wavelength) {
-            self.mark(face);
+            self.mark(&face);
         }
         for face in bounded.iter().filter(|f| f.may_face_a_level(wavelength)) {
             for level in levels.iter().filter(|l| face.parallel_to(l, reach, wavelength)) {

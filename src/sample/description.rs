@@ -1,6 +1,7 @@
 //! What the user wrote, as it was written: shapes, media by name, and where each stood.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
@@ -35,7 +36,7 @@ pub struct Description {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named {
     /// The name.
-    pub name: String,
+    pub name: Arc<str>,
     /// Where it stands.
     pub place: Place,
 }
@@ -76,7 +77,7 @@ words!(Sides { Periodic = "periodic", Open = "open" });
 #[derive(Clone, Debug)]
 pub struct Object {
     /// What people call it.
-    pub name: String,
+    pub name: Arc<str>,
     /// Its form and what it is made of.
     pub body: Body,
     /// Higher wins where solids overlap.
@@ -89,7 +90,6 @@ pub struct Object {
 
 /// A body, or a stack of films.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "most objects are solids")]
 pub enum Body {
     /// One body.
     Solid(Shape, Fill),
@@ -124,7 +124,7 @@ pub enum Shape {
         radius: f64,
     },
     /// A rod or fibre.
-    Cylinder(Fibre),
+    Cylinder(Box<Fibre>),
     /// A box.
     Cuboid {
         /// Smallest coordinates, µm.
@@ -135,7 +135,7 @@ pub enum Shape {
     /// A closed (or, if opaque, open) surface of triangles.
     Mesh(Mesh),
     /// A body under measured heights.
-    Relief(Relief),
+    Relief(Box<Relief>),
     /// An infinite plane-parallel body.
     Slab {
         /// Upper face, µm.
@@ -162,6 +162,12 @@ pub struct Fibre {
     pub caps: bool,
 }
 
+impl From<Fibre> for Shape {
+    fn from(fibre: Fibre) -> Self {
+        Self::Cylinder(Box::new(fibre))
+    }
+}
+
 impl Description {
     /// The footprint that is given or, where reliefs repeat, that of the first of them.
     pub fn footprint(&self) -> Option<Patch> {
@@ -172,7 +178,7 @@ impl Description {
     /// All bodies with measured heights.
     pub(super) fn reliefs(&self) -> impl Iterator<Item = (&Object, &Relief)> {
         self.objects.iter().filter_map(|object| match &object.body {
-            Body::Solid(Shape::Relief(relief), _) => Some((object, relief)),
+            Body::Solid(Shape::Relief(relief), _) => Some((object, &**relief)),
             _ => None,
         })
     }

@@ -24,7 +24,7 @@ impl Groups {
             Matter::Diffuse(_) => "matt surfaces".into(),
             Matter::Mirror(_) => "mirrors".into(),
         };
-        Self::by(solids, |s| s.name.clone())
+        Self::by(solids, |s| s.name.to_string())
             .or_else(|| Self::by(solids, |s| without_number(&s.name).into()))
             .or_else(|| Self::by(solids, matter))
             .unwrap_or_else(|| Self { names: vec!["all bodies".into()], of_solid: vec![0; solids.len()] })
@@ -59,8 +59,8 @@ mod tests {
     use crate::sample::MediumId;
 
     fn solids(names: impl Iterator<Item = String>) -> Vec<Solid> {
-        let solid = |name| Solid {
-            name,
+        let solid = |name: String| Solid {
+            name: name.into(),
             place: Place::default(),
             matter: Matter::Medium(MediumId(0)),
             precedence: (0, 0),

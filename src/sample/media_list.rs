@@ -53,7 +53,7 @@ impl<'a> MediaList<'a> {
 
     /// The number of a medium; each unknown name is reported at its first use only.
     pub(super) fn resolve(&mut self, named: &Named, problems: &mut Problems) -> Option<MediumId> {
-        if let Some(id) = self.known.get(&named.name) {
+        if let Some(id) = self.known.get(&*named.name) {
             return *id;
         }
         self.enter(named, self.look_up(named), problems)
@@ -82,12 +82,12 @@ impl<'a> MediaList<'a> {
         problems: &mut Problems,
     ) -> Option<MediumId> {
         let id = table.and_then(|table| self.add(table, named)).map_err(|p| problems.push(p)).ok();
-        self.known.insert(named.name.clone(), id);
+        self.known.insert(named.name.to_string(), id);
         id
     }
 
     fn look_up(&self, named: &Named) -> Result<MediumTable, Problem> {
-        let defined = self.description.media.iter().find(|m| m.name == named.name);
+        let defined = self.description.media.iter().find(|m| *m.name == *named.name);
         let (dispersion, place) = match defined {
             Some(medium) => (medium.dispersion.clone(), &medium.place),
             None => (self.built_in(named)?, &named.place),
@@ -102,7 +102,7 @@ impl<'a> MediaList<'a> {
             };
             place.problem(format!("medium `{}`: {e}; {remedy}", named.name))
         })?;
-        Ok(MediumTable { name: named.name.clone(), index })
+        Ok(MediumTable { name: named.name.to_string(), index })
     }
 
     fn built_in(&self, named: &Named) -> Result<Dispersion, Problem> {

@@ -65,9 +65,9 @@ impl Description {
                         media.push(medium.clone());
                     }
                     let name = if part.name.is_empty() { format!("part {}", i + 1) } else { part.name.clone() };
-                    let fill = Fill::Medium(Named { name: medium.name, place: place.clone() });
+                    let fill = Fill::Medium(Named { name: medium.name.into(), place: place.clone() });
                     let body = Body::Solid(Shape::Mesh(part.mesh.clone()), fill);
-                    objects.push(Object { name, body, priority: 0, nesting: 0, place });
+                    objects.push(Object { name: name.into(), body, priority: 0, nesting: 0, place });
                 }
                 Err(problem) => problems.push(problem),
             }
@@ -214,7 +214,7 @@ impl File {
 
     fn place_of_part(&self, part: &Part) -> Place {
         let line = self.line_of(&["o", "g"], &part.name);
-        Place { file: self.path.clone(), line }
+        Place { file: Some(self.path.as_path().into()), line }
     }
 
     fn check_extent(&self) -> Result<(), Problem> {
@@ -237,7 +237,7 @@ impl File {
             let message = format!("`{}` has no material; add a usemtl line and a material with Ni", part.name);
             return Err(self.place_of_part(part).problem(message));
         };
-        let place = Place { file: self.path.clone(), line: self.line_of(&["usemtl"], &material.name) };
+        let place = Place { file: Some(self.path.as_path().into()), line: self.line_of(&["usemtl"], &material.name) };
         let given = options.media.iter().find(|(name, _)| *name == material.name);
         let dispersion = match (given, builtin(&material.name), material.optical_density) {
             (Some((_, dispersion)), _, _) => dispersion.clone(),

@@ -1,7 +1,8 @@
 //! What is wrong with an input file: all of it at once, each with file, line, value and remedy.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,8 +16,8 @@ pub struct Problem {
 /// A place in an input file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
-    /// The file; empty for things that come from no file.
-    pub file: PathBuf,
+    /// The file; none for things that come from no file.
+    pub file: Option<Arc<Path>>,
     /// The line, from 1.
     pub line: Option<usize>,
 }
@@ -24,12 +25,12 @@ pub struct Place {
 impl Place {
     /// A whole file.
     pub fn file(path: impl AsRef<Path>) -> Self {
-        Self { file: path.as_ref().into(), line: None }
+        Self { file: Some(path.as_ref().into()), line: None }
     }
 
     /// A line of a file.
     pub fn line(path: impl AsRef<Path>, line: usize) -> Self {
-        Self { file: path.as_ref().into(), line: Some(line) }
+        Self { file: Some(path.as_ref().into()), line: Some(line) }
     }
 
     /// A problem here.
@@ -40,8 +41,8 @@ impl Place {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.place.file.as_os_str().is_empty() {
-            write!(f, "{}:", self.place.file.display())?;
+        if let Some(file) = &self.place.file {
+            write!(f, "{}:", file.display())?;
             if let Some(line) = self.place.line {
                 write!(f, "{line}:")?;
             }

@@ -63,10 +63,17 @@ impl Repeats {
         zone: Aabb,
     ) -> Result<(), String> {
         let mut known: FxHashMap<(u32, [i32; 2]), u32> = FxHashMap::default();
+        let corner = |(corner, by): (u32, [i32; 2])| mesh.vertices[corner as usize] + cell.offset(by);
+        let faces: Vec<[u32; 3]> = wrap.faces(mesh).collect();
+        let bounds = |t: &[u32; 3]| Aabb::around(t.map(|c| corner(wrap.origin(c, [0, 0]))));
+        let bounds: Vec<Aabb> = faces.iter().map(bounds).collect();
         for shift in cell.shifts(Some(mesh.bounds()), zone) {
-            for (i, t) in wrap.faces(mesh).enumerate() {
+            // Most of a repetition is out of sight: what is left is decided by where it is to the last bit.
+            let (offset, rounding) = (cell.offset(shift), 1e-9 * zone.size().max_element());
+            let near = Aabb { min: zone.min - offset, max: zone.max - offset }.inflate(rounding);
+            for (i, t) in faces.iter().enumerate().filter(|(i, _)| bounds[*i].overlaps(near)) {
                 let origins = t.map(|corner| wrap.origin(corner, shift));
-                let corners = origins.map(|(corner, by)| mesh.vertices[corner as usize] + cell.offset(by));
+                let corners = origins.map(corner);
                 if !Aabb::around(corners).overlaps(zone) {
                     continue;
                 }

@@ -1,5 +1,7 @@
 //! Bodies and their shapes, before repetition.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::media_list::MediumId;
@@ -23,7 +25,7 @@ pub enum Matter {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
     /// What people call it.
-    pub name: String,
+    pub name: Arc<str>,
     /// Where it is described.
     pub place: Place,
     /// What it does to light.

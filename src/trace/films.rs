@@ -93,7 +93,28 @@ struct Solution<P> {
     losses: Vec<Pair<f64>>,
 }
 
-type Known<T> = HashMap<Box<[u64]>, T, FxBuildHasher>;
+/// What was found, by key.
+struct Known<T> {
+    numbers: HashMap<Box<[u64]>, usize, FxBuildHasher>,
+    found: Vec<T>,
+}
+
+impl<T> Known<T> {
+    const NOTHING: Self = Self { numbers: HashMap::with_hasher(FxBuildHasher), found: Vec::new() };
+
+    /// What is known of a key, or becomes known now; before more than `most` are, all are forgotten.
+    fn get(&mut self, most: usize, key: &[u64], find: impl FnOnce() -> T) -> &T {
+        let number = self.numbers.get(key).copied().unwrap_or_else(|| {
+            if self.found.len() >= most {
+                *self = Self::NOTHING;
+            }
+            self.found.push(find());
+            self.numbers.insert(key.into(), self.found.len() - 1);
+            self.found.len() - 1
+        });
+        &self.found[number]
+    }
+}
 
 /// Solutions by stack and cosine, and tables over the cosine by stack.
 struct Solved<F: Field> {
@@ -129,8 +150,8 @@ impl<F: Field> Solved<F> {
     fn new(tabulate: bool) -> Self {
         Self {
             key: Vec::new(),
-            exact: Known::default(),
-            tables: Known::default(),
+            exact: Known::NOTHING,
+            tables: Known::NOTHING,
             tabulate,
             work: Work::default(),
             fleeting: Solution { beams: Vec::new(), losses: Vec::new() },
@@ -149,7 +170,7 @@ impl<F: Field> Solved<F> {
                     losses: std::mem::take(&mut self.work.losses),
                 }
             };
-            return remember(&mut self.exact, MOST_SOLVED, &self.key, solve);
+            return self.exact.get(MOST_SOLVED, &self.key, solve);
         }
         if !self.look_up(media, start, stack) {
             self.work.solve(media, start, stack);
@@ -169,7 +190,7 @@ impl<F: Field> Solved<F> {
         self.set_key(start, stack, false);
         let work = &mut self.work;
         let build = || Table::new(&mut work.solver, &tabulated(media, start.first, stack));
-        let Some(table) = remember(&mut self.tables, MOST_TABLES, &self.key, build) else { return false };
+        let Some(table) = self.tables.get(MOST_TABLES, &self.key, build) else { return false };
         table.at(start.slant.cos, &mut work.scratch, &mut work.coefficients);
         work.losses.clear();
         true
@@ -183,17 +204,6 @@ impl<F: Field> Solved<F> {
         }
         self.key.extend(stack.layers.iter().flat_map(|f| [f.medium as u64, f.thickness.to_bits()]));
     }
-}
-
-/// What is known of a key, or becomes known now.
-fn remember<'a, T>(known: &'a mut Known<T>, most: usize, key: &[u64], find: impl FnOnce() -> T) -> &'a T {
-    if !known.contains_key(key) {
-        if known.len() >= most {
-            known.clear();
-        }
-        known.insert(key.into(), find());
-    }
-    &known[key]
 }
 
 fn tabulated<'a>(media: &'a Media, first: MediumId, stack: &'a Stack) -> Tabulated<'a> {

@@ -415,5 +415,7 @@ fn reach_aside(world: &World<'_>, start: &Start<'_>, stack: &Stack) -> f64 {
 /// Distances to 2⁻⁴⁰ µm (a millionth of a picometre), so that one stack seen from different points is one.
 fn quantized(t: f64) -> f64 {
     const STEPS: f64 = (1u64 << 40) as f64;
-    (t * STEPS).round() / STEPS
+    /// The last bit of what is added to this is a step.
+    const ROUND: f64 = 6_755_399_441_055_744.0 / STEPS;
+    if t < 1024.0 { (t + ROUND) - ROUND } else { (t * STEPS).round() / STEPS }
 }

@@ -32,18 +32,15 @@ impl Stacks {
     pub(super) fn add(&mut self, layers: &[Film], power: f64) {
         self.key.clear();
         self.key.extend(layers.iter().map(|l| l.medium as u16));
-        if !self.known.contains_key(&self.key) {
-            if self.known.len() >= MOST_COUNTED {
-                return;
+        if let Some(met) = self.known.get_mut(&self.key) {
+            met.hits += 1;
+            met.power += power;
+            for ((least, most), layer) in met.thickness.iter_mut().zip(layers) {
+                (*least, *most) = (least.min(layer.thickness), most.max(layer.thickness));
             }
+        } else if self.known.len() < MOST_COUNTED {
             let thickness = layers.iter().map(|l| (l.thickness, l.thickness)).collect();
-            self.known.insert(self.key.clone(), Met { hits: 0, power: 0.0, thickness });
-        }
-        let Some(met) = self.known.get_mut(&self.key) else { return };
-        met.hits += 1;
-        met.power += power;
-        for ((least, most), layer) in met.thickness.iter_mut().zip(layers) {
-            (*least, *most) = (least.min(layer.thickness), most.max(layer.thickness));
+            self.known.insert(self.key.clone(), Met { hits: 1, power, thickness });
         }
     }
 

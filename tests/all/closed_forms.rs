@@ -195,11 +195,8 @@ fn cylinder(file: &str, oblique: f64, hollow: bool, trees: u32) {
     let radius = 20.0;
     let endless = Fibre { caps: false, ..fibre([0.0; 3], [1.0, 0.0, 0.0], radius) };
     let around = Build::within(1.0).open().patch(10.0 * radius, 2.0 * radius);
-    let build = if hollow {
-        around.hollow(endless, 1.53, 0.5 * radius, 1.0)
-    } else {
-        around.put(Shape::Cylinder(endless), 1.53)
-    };
+    let build =
+        if hollow { around.hollow(endless, 1.53, 0.5 * radius, 1.0) } else { around.put(Shape::from(endless), 1.53) };
     for (polarization, name) in [(Polarization::P, "E_par"), (Polarization::S, "E_perp")] {
         let light = light(&[550.0], &[(oblique, 0.0)], polarization);
         let along = light.incidences[0].propagation().x;

@@ -23,7 +23,7 @@ fn mixed() -> Build {
         .put(ball([5.0, -5.0, 5.0], 3.0), 1.45)
         .put(ball([-6.0, -6.0, 3.0], 2.5), 1.7)
         .hollow(rod, 1.53, 0.8, 1.33)
-        .put(Shape::Cylinder(flat), 1.6)
+        .put(Shape::from(flat), 1.6)
         .put(cuboid([-9.0, 3.0, 0.0], [-5.0, 6.0, 0.3]), 2.0)
         .put(mesh(Mesh::ball(2).map(|p| 2.0 * p + DVec3::new(3.0, 3.0, 9.0))), 1.5)
 }

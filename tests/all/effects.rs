@@ -297,7 +297,7 @@ impl Draw {
             let at = |d: &mut Self| DVec3::new(d.between(-4.0, 4.0), d.between(-4.0, 4.0), d.between(1.0, 8.0));
             let (a, b, r) = (at(self), at(self), self.between(0.5, 2.5));
             let shape = match self.pick(5) {
-                0 => Shape::Cylinder(fibre(a, b, r)),
+                0 => Shape::from(fibre(a, b, r)),
                 1 => cuboid(a.min(b), a.max(b) + 0.1),
                 2 => mesh_box(a.min(b), a.max(b) + 0.1),
                 _ => ball(a, r),

@@ -173,7 +173,7 @@ impl Shells<'_> {
 
 /// An endless fibre along x.
 fn endless(radius: f64) -> Shape {
-    Shape::Cylinder(Fibre { caps: false, ..fibre([0.0; 3], [1.0, 0.0, 0.0], radius) })
+    Shape::from(Fibre { caps: false, ..fibre([0.0; 3], [1.0, 0.0, 0.0], radius) })
 }
 
 #[test]

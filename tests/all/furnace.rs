@@ -81,9 +81,9 @@ fn bodies() -> Vec<(&'static str, Build)> {
         ("sphere", air().put(ball([0.0; 3], 5.0), 1.5)),
         ("bubble", Build::within(1.5).put(ball([0.0; 3], 5.0), 1.0)),
         ("hollow cylinder", air().hollow(tilted(), 1.53, 1.1, 1.0)),
-        ("flattened cylinder", air().put(Shape::Cylinder(flattened()), 1.53)),
+        ("flattened cylinder", air().put(Shape::from(flattened()), 1.53)),
         ("flattened hollow cylinder", air().hollow(flattened(), 1.53, 1.2, 1.2)),
-        ("capped tilted cylinder", air().put(Shape::Cylinder(tilted()), 1.53)),
+        ("capped tilted cylinder", air().put(Shape::from(tilted()), 1.53)),
         ("endless cylinder", air().patch(8.0, 8.0).hollow(endless, 1.53, 2.0, 1.0)),
         ("box", air().put(cuboid([-2.0, -3.0, 0.0], [2.0, 3.0, 5.0]), 1.5)),
         ("mesh ball", air().put(mesh(Mesh::ball(3).map(|p| 4.0 * p)), 1.5)),
@@ -174,7 +174,7 @@ fn absorbing_samples_balance() {
     let air = || Build::within(1.0).patch(20.0, 12.0);
     let weak = C64::new(1.5, 2e-3);
     let gold = C64::new(0.3, 2.9);
-    let rod = || Shape::Cylinder(tilted());
+    let rod = || Shape::from(tilted());
     let samples = [
         ("absorbing sphere", air().put(ball([0.0; 3], 5.0), weak)),
         ("absorbing fibre with lumen", air().hollow(tilted(), weak, 1.1, 1.0)),

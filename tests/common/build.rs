@@ -17,8 +17,8 @@ use super::Mesh;
 #[derive(Clone)]
 pub struct Build(pub Description);
 
-fn named(name: impl Into<String>) -> Named {
-    Named { name: name.into(), place: Place::default() }
+fn named(name: impl AsRef<str>) -> Named {
+    Named { name: name.as_ref().into(), place: Place::default() }
 }
 
 impl Build {
@@ -87,7 +87,7 @@ impl Build {
     /// A fibre of index `n` with a lumen of index `inner` and radius `radius`.
     pub fn hollow(mut self, fibre: Fibre, n: impl Into<C64>, radius: f64, inner: impl Into<C64>) -> Self {
         let lumen = Some((radius, self.medium(inner)));
-        self.put(Shape::Cylinder(Fibre { lumen, ..fibre }), n)
+        self.put(Fibre { lumen, ..fibre }.into(), n)
     }
 
     /// Films from `top` down, (index, thickness).
@@ -119,7 +119,7 @@ impl Build {
     }
 
     fn add(&mut self, body: Body, priority: i32) {
-        let name = format!("object {}", self.0.objects.len() + 1);
+        let name = format!("object {}", self.0.objects.len() + 1).into();
         self.0.objects.push(Object { name, body, priority, nesting: 0, place: Place::default() });
     }
 
@@ -159,7 +159,7 @@ pub fn relief(size: [usize; 2], pixel: [f64; 2], floor: f64, height: impl Fn(usi
     let [columns, rows] = size;
     let heights = (0..rows * columns).map(|i| height(i % columns, i / columns)).collect();
     let field = HeightField { columns, rows, pixel: pixel.into(), heights };
-    Shape::Relief(Relief { field, center: DVec2::ZERO, floor })
+    Shape::Relief(Box::new(Relief { field, center: DVec2::ZERO, floor }))
 }
 
 /// Heights without order, from 0 to `most`.

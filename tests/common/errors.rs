@@ -72,7 +72,7 @@ fn web() -> Description {
     let mut build = Build::within(1.0).patch(50.0, 60.0);
     for (z, shift) in [(0.0, 0.0), (-14.0, 7.0)] {
         for y in [-20.0, 0.0, 20.0].map(|y| y + shift) {
-            build = build.put(Shape::Cylinder(fibre([-25.0, y, z], [25.0, y, z], 6.5)), 1.53);
+            build = build.put(Shape::from(fibre([-25.0, y, z], [25.0, y, z], 6.5)), 1.53);
         }
     }
     build.0

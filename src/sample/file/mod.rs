@@ -92,7 +92,12 @@ fn read_file(file: &Table<'_>, path: &Path) -> (Description, Vec<Generate>) {
         let setting = Setting { periodic: sides == Sides::Periodic, patch: given, top };
         if let Some(generate) = Generate::read(&table, setting) {
             patch = patch.or(generate.patch());
-            objects.extend(generate.objects(&table).into_iter().flatten());
+            let mut bodies = generate.objects(&table).unwrap_or_default();
+            if objects.is_empty() {
+                objects = bodies
+            } else {
+                objects.append(&mut bodies)
+            }
             generated.push(generate);
         }
         table.refuse_unknown_keys();

@@ -39,7 +39,7 @@ pub(super) fn read_object(t: &Table<'_>, number: usize) -> Option<Object> {
     let shape = match shape_name {
         "films" => {
             let body = read_films(t)?;
-            return Some(Object { name, body, priority, nesting: 0, place: t.place().clone() });
+            return Some(Object { name: name.into(), body, priority, nesting: 0, place: t.place().clone() });
         }
         "sphere" => read_sphere(t),
         "cylinder" => read_cylinder(t),
@@ -51,7 +51,7 @@ pub(super) fn read_object(t: &Table<'_>, number: usize) -> Option<Object> {
     };
     let fill = read_fill(t);
     let body = Body::Solid(shape?, fill?);
-    Some(Object { name, body, priority, nesting: 0, place: t.place().clone() })
+    Some(Object { name: name.into(), body, priority, nesting: 0, place: t.place().clone() })
 }
 
 fn read_sphere(t: &Table<'_>) -> Option<Shape> {
@@ -90,7 +90,7 @@ fn read_cylinder(t: &Table<'_>) -> Option<Shape> {
         (None, Some(_)) => return t.missing("inner_radius", "5"),
         (None, None) => None,
     };
-    Some(Shape::Cylinder(Fibre { from, to, radius, lumen, flatten, caps }))
+    Some(Fibre { from, to, radius, lumen, flatten, caps }.into())
 }
 
 /// The direction of flattening and the thickness over the width, which may stand alone: then it is flattened from above.

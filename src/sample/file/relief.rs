@@ -30,7 +30,7 @@ pub(super) fn read_height_field(t: &Table<'_>) -> Option<Shape> {
     check_extent(&field).map_err(|why| t.source().note(about_the_file(&why))).ok()?;
     let [lowest, highest] = field.range();
     let floor = lowest - depth.unwrap_or((highest - lowest).max(DEPTH));
-    Some(Shape::Relief(Relief { field, center, floor }))
+    Some(Shape::Relief(Box::new(Relief { field, center, floor })))
 }
 
 fn check_extent(field: &HeightField) -> Result<(), String> {

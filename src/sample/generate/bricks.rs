@@ -147,7 +147,7 @@ impl Bricks {
                 *number += 1;
                 let shape = Shape::Cuboid { min: part.min, max: part.max };
                 Object {
-                    name: format!("{what} {number}"),
+                    name: format!("{what} {number}").into(),
                     body: Body::Solid(shape, Fill::Medium(medium.clone())),
                     priority: 0,
                     nesting: u32::from(part.is_core),

@@ -1,6 +1,7 @@
 //! Generated bodies as files: meshes for other programs, and objects one by one for the sample file.
 
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use rustc_hash::FxHashMap;
@@ -47,13 +48,13 @@ pub fn to_obj(title: &str, objects: &[Object], library: &str, fineness: Fineness
 /// The material library for [`to_obj`]: indices of refraction where they are single real numbers; other media go by
 /// their names.
 pub fn to_mtl(objects: &[Object], media: &[Medium]) -> Result<String, String> {
-    let mut used: Vec<String> = Vec::new();
+    let mut used: Vec<Arc<str>> = Vec::new();
     for (_, _, medium) in parts(objects)? {
         if !used.contains(&medium.name) {
             used.push(medium.name);
         }
     }
-    let material = |name: &String| match media.iter().find(|m| m.name == *name).map(|m| &m.dispersion) {
+    let material = |name: &Arc<str>| match media.iter().find(|m| *m.name == **name).map(|m| &m.dispersion) {
         Some(Dispersion::Constant(n)) if n.im == 0.0 => format!("newmtl {name}\nNi {}\n", n.re),
         _ => format!("newmtl {name}\n"),
     };
@@ -61,7 +62,7 @@ pub fn to_mtl(objects: &[Object], media: &[Medium]) -> Result<String, String> {
 }
 
 /// A body with one surface and one medium; a hollow cylinder is two.
-type Part = (String, Shape, Named);
+type Part = (Arc<str>, Shape, Named);
 
 fn parts(objects: &[Object]) -> Result<Vec<Part>, String> {
     let mut parts = Vec::new();
@@ -70,10 +71,11 @@ fn parts(objects: &[Object]) -> Result<Vec<Part>, String> {
             return Err(format!("`{}` has no medium: only bodies that light enters become meshes", object.name));
         };
         parts.push((object.name.clone(), shape.clone(), medium.clone()));
-        if let Shape::Cylinder(Fibre { lumen: Some((radius, medium)), .. }) = shape {
-            let Shape::Cylinder(fibre) = shape.clone() else { continue };
-            let inner = Shape::Cylinder(Fibre { radius: *radius, lumen: None, ..fibre });
-            parts.push((format!("lumen of {}", object.name), inner, medium.clone()));
+        if let Shape::Cylinder(fibre) = shape
+            && let Some((radius, medium)) = &fibre.lumen
+        {
+            let inner = Fibre { radius: *radius, lumen: None, ..(**fibre).clone() };
+            parts.push((format!("lumen of {}", object.name).into(), inner.into(), medium.clone()));
         }
     }
     Ok(parts)

@@ -144,7 +144,7 @@ impl Mosaic {
         let mut objects = Vec::new();
         for (i, [min, max]) in self.platelets().into_iter().enumerate() {
             let object = |what: &str, [min, max]: [DVec3; 2], fill: Fill, nesting: u32| Object {
-                name: format!("{what} {}", i + 1),
+                name: format!("{what} {}", i + 1).into(),
                 body: Body::Solid(Shape::Cuboid { min, max }, fill),
                 priority: self.common.priority,
                 nesting,

@@ -184,7 +184,7 @@ impl SpherePacking {
     /// When they do not fit.
     pub fn objects(&self, place: &Place) -> Result<Vec<Object>, PackingError> {
         let sphere = |(i, (center, &radius)): (usize, (DVec3, &f64))| Object {
-            name: format!("sphere {}", i + 1),
+            name: format!("sphere {}", i + 1).into(),
             body: Body::Solid(
                 Shape::Sphere { center: center + DVec3::Z * self.common.bottom, radius },
                 self.fill.clone(),

@@ -173,7 +173,8 @@ impl RoughSurface {
         field.heights.iter_mut().for_each(|z| *z += self.base);
         let [lowest, highest] = field.range();
         let floor = lowest - self.depth.unwrap_or((highest - lowest).max(DEPTH));
-        let body = Body::Solid(Shape::Relief(Relief { field, center: DVec2::ZERO, floor }), self.fill.clone());
+        let body =
+            Body::Solid(Shape::Relief(Box::new(Relief { field, center: DVec2::ZERO, floor })), self.fill.clone());
         let name = "rough surface".into();
         Ok(vec![Object { name, body, priority: self.priority, nesting: 0, place: place.clone() }])
     }

@@ -86,7 +86,7 @@ struct Scene<'a> {
     shapes: &'a [(Base, u32)],
     solids: &'a [Solid],
     /// Of each shape that is a mesh, once it is needed.
-    columns: Vec<OnceCell<Columns<'a>>>,
+    columns: Vec<OnceCell<Box<Columns<'a>>>>,
     bodies: Vec<Body>,
     layers: Vec<(Layer, u32)>,
     /// Endless bodies are cut off here.
@@ -198,7 +198,7 @@ impl<'a> Scene<'a> {
 
     fn columns(&self, body: &Body) -> Option<&Columns<'a>> {
         let mesh = self.shapes[body.shape].0.mesh()?;
-        Some(self.columns[body.shape].get_or_init(|| Columns::new(mesh)))
+        Some(self.columns[body.shape].get_or_init(|| Box::new(Columns::new(mesh))))
     }
 
     /// A face of the mesh enters the other body, or that lies inside the mesh.

@@ -208,7 +208,7 @@ impl Flakes {
         for (i, (flake, center)) in self.places()?.into_iter().enumerate() {
             let at = center + DVec3::Z * self.common.bottom;
             let object = |what: &str, form: Form, fill: Fill, nesting: u32| Object {
-                name: format!("{what} {}", i + 1),
+                name: format!("{what} {}", i + 1).into(),
                 body: Body::Solid(Shape::Mesh(form.mesh(flake.turn).map(|p| p + at)), fill),
                 priority: self.common.priority,
                 nesting,

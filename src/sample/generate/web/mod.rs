@@ -12,7 +12,7 @@ pub use self::angles::Deviation;
 pub(super) use self::angles::normal;
 use self::angles::{Angles, LARGEST};
 use self::rest::{Outline, Pile};
-use super::super::description::{Body, Fibre, Fill, Named, Object, Shape};
+use super::super::description::{Body, Fibre, Fill, Named, Object};
 use super::super::fill::read_fill;
 use super::super::problem::Place;
 use super::super::reader::Table;
@@ -221,9 +221,10 @@ impl Web {
         let fibre = |(i, [from, to]): (usize, [DVec3; 2])| {
             let flatten = (self.flatten < 1.0).then_some((DVec3::Z, self.flatten));
             let lumen = self.lumen.clone();
-            let shape = Shape::Cylinder(Fibre { from, to, radius: self.radius, lumen, flatten, caps: !endless });
+            let fibre = Fibre { from, to, radius: self.radius, lumen, flatten, caps: !endless };
+            let shape = fibre.into();
             Object {
-                name: format!("fibre {}", i + 1),
+                name: format!("fibre {}", i + 1).into(),
                 body: Body::Solid(shape, self.fill.clone()),
                 priority: self.common.priority,
                 nesting: 0,

@@ -4,6 +4,7 @@ use super::super::super::problem::Problems;
 use super::super::common::heights;
 use super::*;
 use crate::light::{Coherence, Wavelengths};
+use crate::sample::description::Shape;
 
 fn web(deviation: Deviation, periodic: bool) -> Web {
     Web {
