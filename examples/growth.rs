@@ -140,6 +140,11 @@ fn all() -> Vec<Series> {
 
 type Of = fn(&Point) -> f64;
 
+/// A slope; none where too little was measured, such as memory that was there before.
+fn told(slope: f64) -> String {
+    if slope.is_finite() { format!("{slope:.2}") } else { "–".into() }
+}
+
 /// How a quantity grows from the last size but one to the last: the power of the size.
 fn slope(series: &Series, of: Of) -> f64 {
     let [.., a, b] = &series.points[..] else { return f64::NAN };
@@ -195,8 +200,8 @@ fn main() -> std::io::Result<()> {
             let _ = writeln!(page, "| {} | {build} | {trace} | {memory} |", p.size);
         }
         let [build, trace, memory] =
-            [slope(&series, |p| p.build), slope(&series, |p| p.trace), slope(&series, |p| p.memory)];
-        let _ = writeln!(page, "| *slope* | {build:.2} | {trace:.2} | {memory:.2} |");
+            [slope(&series, |p| p.build), slope(&series, |p| p.trace), slope(&series, |p| p.memory)].map(told);
+        let _ = writeln!(page, "| *slope* | {build} | {trace} | {memory} |");
     }
     fs::write(out.with_extension("md"), page)
 }

@@ -73,28 +73,24 @@ impl<'f> Groups<'f> {
         let Self { plane, cells, curved, all } = self;
         let parts: Vec<Search> = cells.par_iter().map(|(_, part)| Search::new(plane, part.clone())).collect();
         let number: FxHashMap<Cell, usize> = cells.iter().enumerate().map(|(i, (cell, _))| (*cell, i)).collect();
+        let beside = |cell| -> Vec<(Cell, &Search)> {
+            around(cell).filter_map(|cell| Some((cell, &parts[*number.get(&cell)?]))).collect()
+        };
         let whole = |group| Search::new(group, 0..group.faces.len());
         let (curved, all) = (&whole(curved), all.as_ref().map(whole));
         let in_cell = |(cell, part): &(Cell, Range<usize>)| {
-            // One and the other direction of the same planes.
-            let beside = [*cell, cell.map(|x| -1 - x)].map(|at| {
-                let known = around(at).filter_map(|cell| Some((cell, &parts[*number.get(&cell)?])));
-                known.collect::<Vec<(Cell, &Search)>>()
-            });
+            // Planes have two normals.
+            let (along, against) = (beside(*cell), beside(cell.map(|x| -1 - x)));
             let has = move |face: &Face| {
-                let seen = face.seen(reach, wavelength);
+                let question = Question::new(face, reach, wavelength);
                 let normal = face.normal().expect("plane faces have one");
-                [normal, -normal].into_iter().zip(&beside).any(|(normal, beside)| {
-                    let [low, high] = [-1.0, 1.0].map(|side| self::cell(normal + side * (TILT + ROUNDING)));
-                    let near = |cell: Cell| (0..3).all(|i| low[i] <= cell[i] && cell[i] <= high[i]);
-                    beside.iter().any(|(cell, part)| near(*cell) && part.any(face, &seen, reach, wavelength))
-                }) || curved.any(face, &seen, reach, wavelength)
+                question.any_near(normal, &along) || question.any_near(-normal, &against) || question.any(curved)
             };
             plane.faces[part.clone()].par_iter().with_min_len(ENOUGH).copied().filter(has)
         };
         let mut found: Vec<Face> = cells.par_iter().flat_map(in_cell).collect();
         let all = all.as_ref().unwrap_or(curved);
-        let has = |face: &Face| all.any(face, &face.seen(reach, wavelength), reach, wavelength);
+        let has = |face: &Face| Question::new(face, reach, wavelength).any(all);
         found.par_extend(self.curved.faces.par_iter().copied().filter(has));
         found
     }
@@ -123,14 +119,36 @@ impl<'g, 'f> Search<'g, 'f> {
         let boxes = &group.boxes[part.clone()];
         Self { faces: &group.faces[part], boxes, pairs: (boxes.len() > FEW).then(|| Pairs::new(boxes)) }
     }
+}
 
-    fn any(&self, face: &Face, seen: &Aabb, reach: f64, wavelength: f64) -> bool {
-        let is_parallel = |j: usize| face.parallel_to(&self.faces[j], reach, wavelength);
-        let Some(pairs) = &self.pairs else {
-            return (0..self.faces.len()).any(|j| self.boxes[j].overlaps(*seen) && is_parallel(j));
+/// Whether a face has a parallel one.
+struct Question<'q, 'f> {
+    face: &'q Face<'f>,
+    seen: Aabb,
+    reach: f64,
+    wavelength: f64,
+}
+
+impl<'q, 'f> Question<'q, 'f> {
+    fn new(face: &'q Face<'f>, reach: f64, wavelength: f64) -> Self {
+        Self { face, seen: face.seen(reach, wavelength), reach, wavelength }
+    }
+
+    /// Among plane faces whose normals are nearly this one.
+    fn any_near(&self, normal: DVec3, cells: &[(Cell, &Search)]) -> bool {
+        let [low, high] = [-1.0, 1.0].map(|side| cell(normal + side * (TILT + ROUNDING)));
+        let is_near = |cell: &Cell| (0..3).all(|i| low[i] <= cell[i] && cell[i] <= high[i]);
+        cells.iter().any(|(cell, faces)| is_near(cell) && self.any(faces))
+    }
+
+    fn any(&self, search: &Search) -> bool {
+        let Search { faces, boxes, pairs } = search;
+        let is_parallel = |j: usize| self.face.parallel_to(&faces[j], self.reach, self.wavelength);
+        let Some(pairs) = pairs else {
+            return (0..faces.len()).any(|j| boxes[j].overlaps(self.seen) && is_parallel(j));
         };
         let mut found = false;
-        pairs.overlapping(seen, |j| found = found || is_parallel(j));
+        pairs.overlapping(&self.seen, |j| found = found || is_parallel(j));
         found
     }
 }

@@ -2,50 +2,10 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, Output};
 
 use serde_json::{Value, json};
 
-/// A directory of its own for a test.
-struct Desk(PathBuf);
-
-impl Desk {
-    fn new(name: &str) -> Self {
-        let dir = std::env::temp_dir().join(format!("gonio-film-{name}-{}", std::process::id()));
-        fs::create_dir_all(&dir).unwrap();
-        Self(dir)
-    }
-
-    fn film(&self, args: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gonio-embree"));
-        command.arg("film").args(args).current_dir(&self.0).output().unwrap()
-    }
-
-    /// What it prints when all is well.
-    fn printed(&self, args: &[&str]) -> String {
-        let output = self.film(args);
-        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", errors(&output));
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    /// What it complains about, with exit code 2 and nothing printed.
-    fn complaint(&self, args: &[&str]) -> String {
-        let output = self.film(args);
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", errors(&output));
-        assert!(output.stdout.is_empty());
-        errors(&output)
-    }
-}
-
-impl Drop for Desk {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn errors(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into()
-}
+use crate::desk::{Desk, errors};
 
 fn reference(name: &str) -> String {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference").join(name);
@@ -66,7 +26,7 @@ fn part(v: &Value) -> f64 {
 /// Every amplitude within 4 times the effect of rounding its input plus 2e-15, after the way through the file.
 #[test]
 fn all_cases_of_the_reference_through_the_program() {
-    let desk = Desk::new("cases");
+    let desk = Desk::of("film", "cases");
     let text = reference("films.json");
     fs::write(desk.0.join("films.json"), &text).unwrap();
     let truth: Value = serde_json::from_str(&text).unwrap();
@@ -102,7 +62,7 @@ fn all_cases_of_the_reference_through_the_program() {
 /// Numbers have 17 digits: nothing is lost on the way through the text.
 #[test]
 fn json_has_17_digits() {
-    let desk = Desk::new("digits");
+    let desk = Desk::of("film", "digits");
     desk.write_cases(&[case()]);
     let text = desk.printed(&["a.json", "--json"]);
     let r = text.split("\"R\": ").nth(1).unwrap().split(',').next().unwrap();
@@ -168,7 +128,7 @@ fn graded(least: f64, around: f64) -> String {
 
 #[test]
 fn morpho_and_hummingbird_at_normal_incidence() {
-    let desk = Desk::new("normal");
+    let desk = Desk::of("film", "normal");
     let films: Vec<_> = (1..=12).map(|n| (format!("R_{n}films"), morpho(n))).collect();
     compare_normal(&desk, "morpho_normal.csv", &films);
     let mut readings: Vec<_> = HUMMINGBIRD.iter().map(|(name, stack)| (format!("R_{name}"), (*stack).into())).collect();
@@ -201,7 +161,7 @@ fn compare_angles(desk: &Desk, name: &str, key: &str, stack: &str, angles: &str,
 
 #[test]
 fn morpho_and_hummingbird_over_the_angle() {
-    let desk = Desk::new("angles");
+    let desk = Desk::of("film", "angles");
     let all = [("R_s", "s"), ("R_p", "p"), ("R_unpol", "unpolarized")];
     compare_angles(&desk, "morpho_angles.csv", "12", &morpho(12), "0:80:5", &all);
     for films in [1, 2, 3, 6, 9] {
@@ -263,7 +223,7 @@ const MALFORMED: [(&str, usize, &str); 40] = [
 
 #[test]
 fn malformed_stacks_say_where_and_how_to_mend_them() {
-    let desk = Desk::new("malformed");
+    let desk = Desk::of("film", "malformed");
     for (stack, column, expected) in MALFORMED {
         let complaint = desk.complaint(&[stack]);
         assert!(complaint.contains(&format!("stack, column {column}: ")), "{stack}: column {column}\n{complaint}");
@@ -279,7 +239,7 @@ fn malformed_stacks_say_where_and_how_to_mend_them() {
 
 #[test]
 fn wrong_options_say_what_is_expected() {
-    let desk = Desk::new("options");
+    let desk = Desk::of("film", "options");
     let stack = "air | chitin 50nm | air";
     for (args, expected) in [
         (&[stack, "--angle", "95"][..], "--angle: 95°: expected 0 to 90°"),
@@ -309,7 +269,7 @@ fn wrong_options_say_what_is_expected() {
 
 #[test]
 fn media_come_by_name_or_index() {
-    let desk = Desk::new("media");
+    let desk = Desk::of("film", "media");
     let by_name =
         desk.printed(&["air | my ink 80nm | glass", "--medium", "my ink=2.0+0.01i", "--medium", "glass=1.5", "--csv"]);
     assert_eq!(by_name, desk.printed(&["1 | 2.0 + 0.01i .08um | 1.5", "--csv"]));
@@ -327,7 +287,7 @@ fn media_come_by_name_or_index() {
 
 #[test]
 fn media_come_from_files() {
-    let desk = Desk::new("files");
+    let desk = Desk::of("film", "files");
     let glass = concat!(env!("CARGO_MANIFEST_DIR"), "/src/media/data/N-BK7.yml");
     fs::copy(glass, desk.0.join("glass.yml")).unwrap();
     let medium = ["--medium", "lens=glass.yml", "--wavelengths", "300:2500:100", "--csv"];
@@ -348,9 +308,9 @@ fn media_come_from_files() {
 
 #[test]
 fn table_and_picture() {
-    let desk = Desk::new("picture");
+    let desk = Desk::of("film", "picture");
     let stack = "air | 12 x (chitin 50nm, air 150nm) | air";
-    let output = desk.film(&[stack, "--angle", "0:80:20", "--wavelengths", "350:800:5", "-o", "a.svg"]);
+    let output = desk.run(&[stack, "--angle", "0:80:20", "--wavelengths", "350:800:5", "-o", "a.svg"]);
     assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
     assert!(errors(&output).contains("wrote a.svg"));
     let table = String::from_utf8(output.stdout).unwrap();
@@ -367,7 +327,7 @@ fn table_and_picture() {
 
 #[test]
 fn pictures_of_little() {
-    let desk = Desk::new("little");
+    let desk = Desk::of("film", "little");
     for (name, args) in [
         ("one.svg", &["air | 2+0.1i 50nm | air", "--wavelengths", "500"][..]),
         ("angle.svg", &["air | 2+0.1i 50nm | air", "--wavelengths", "500", "--angle", "0:90:1"]),
@@ -404,7 +364,7 @@ impl Desk {
 
 #[test]
 fn wrong_cases_are_named_with_their_field() {
-    let desk = Desk::new("wrong");
+    let desk = Desk::of("film", "wrong");
     for (pointer, value, expected) in [
         ("/id", json!(5), "cases[1]: id: found 5; expected a text"),
         ("/id", Value::Null, "cases[1]: id: missing"),
@@ -451,7 +411,7 @@ fn wrong_cases_are_named_with_their_field() {
 
 #[test]
 fn wrong_files_are_refused_and_all_wrong_cases_told() {
-    let desk = Desk::new("files");
+    let desk = Desk::of("film", "columns");
     for (text, expected) in [
         ("", "a.json: no JSON: EOF"),
         ("{", "a.json: no JSON"),

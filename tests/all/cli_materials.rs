@@ -2,66 +2,26 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, Output};
 
 use gonio_embree::media::{Certainty, builtin, builtins};
 use serde_json::Value;
 
-/// A directory of its own for a test.
-struct Desk(PathBuf);
+use crate::desk::{Desk, errors};
 
-impl Desk {
-    fn new(name: &str) -> Self {
-        let dir = std::env::temp_dir().join(format!("gonio-materials-{name}-{}", std::process::id()));
-        fs::create_dir_all(&dir).unwrap();
-        Self(dir)
-    }
-
-    fn materials(&self, args: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gonio-embree"));
-        command.arg("materials").args(args).current_dir(&self.0).output().unwrap()
-    }
-
-    /// What it prints when all is well.
-    fn printed(&self, args: &[&str]) -> String {
-        let output = self.materials(args);
-        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", errors(&output));
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    fn json(&self, args: &[&str]) -> Value {
-        let document: Value = serde_json::from_str(&self.printed(&[args, &["--json"]].concat())).unwrap();
-        assert_eq!(document["schema"], "gonio-materials-1");
-        document["materials"].clone()
-    }
-
-    /// What it complains about, with exit code 2 and nothing printed.
-    fn complaint(&self, args: &[&str]) -> String {
-        let output = self.materials(args);
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", errors(&output));
-        assert!(output.stdout.is_empty());
-        errors(&output)
-    }
-
-    fn copy(&self, name: &str, to: &str) {
-        let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-        fs::copy(root.join("tests/reference/refractiveindex").join(name), self.0.join(to)).unwrap();
-    }
+fn json(desk: &Desk, args: &[&str]) -> Value {
+    let document: Value = serde_json::from_str(&desk.printed(&[args, &["--json"]].concat())).unwrap();
+    assert_eq!(document["schema"], "gonio-materials-1");
+    document["materials"].clone()
 }
 
-impl Drop for Desk {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn errors(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into()
+fn copy(desk: &Desk, name: &str, to: &str) {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    fs::copy(root.join("tests/reference/refractiveindex").join(name), desk.0.join(to)).unwrap();
 }
 
 #[test]
 fn the_table_has_all_of_them() {
-    let table = Desk::new("table").printed(&[]);
+    let table = Desk::of("materials", "table").printed(&[]);
     for medium in builtins() {
         let line = table.lines().find(|l| l.starts_with(medium.names[0])).unwrap();
         assert!(medium.names.iter().all(|name| line.contains(name)) && line.ends_with(medium.source), "{line}");
@@ -75,7 +35,7 @@ fn the_table_has_all_of_them() {
 
 #[test]
 fn a_name_gives_all_there_is_to_say() {
-    let desk = Desk::new("name");
+    let desk = Desk::of("materials", "name");
     let glass = desk.printed(&["bk7"]);
     for part in
         ["N-BK7, BK7", "SCHOTT", "300 to 2500 nm", "formula 2 (Sellmeier)", "103.560653", "table of 25 wavelengths"]
@@ -92,8 +52,8 @@ fn a_name_gives_all_there_is_to_say() {
 
 #[test]
 fn a_file_is_shown_like_a_name() {
-    let desk = Desk::new("file");
-    desk.copy("H2O-Hale.yml", "water.yml");
+    let desk = Desk::of("materials", "file");
+    copy(&desk, "H2O-Hale.yml", "water.yml");
     let water = desk.printed(&["water.yml"]);
     assert!(water.contains("Appl. Opt. 12, 555-563 (1973)") && !water.contains("<i>"), "{water}");
     assert!(water.contains("200 to 200000 nm") && !water.contains("certainty"), "{water}");
@@ -102,17 +62,17 @@ fn a_file_is_shown_like_a_name() {
     assert!(ink.contains("source     Somebody"), "{ink}");
     assert_eq!(ink.lines().skip_while(|l| !l.contains("λ/nm")).count(), 3, "{ink}");
     // Nothing of it is visible.
-    desk.copy("Si-Edwards.yml", "si.yaml");
+    copy(&desk, "Si-Edwards.yml", "si.yaml");
     let silicon = desk.printed(&["si.yaml"]);
     assert!(silicon.contains("2437.3") && silicon.contains("25000"), "{silicon}");
 }
 
 #[test]
 fn scripts_get_the_same() {
-    let desk = Desk::new("json");
-    let all = desk.json(&[]);
+    let desk = Desk::of("materials", "json");
+    let all = json(&desk, &[]);
     assert_eq!(all.as_array().unwrap().len(), builtins().len());
-    let silver = &desk.json(&["silver", "--wavelengths", "450.9,548.6"])[0];
+    let silver = &json(&desk, &["silver", "--wavelengths", "450.9,548.6"])[0];
     assert_eq!(silver["names"][0], "Ag");
     assert_eq!(silver["certainty"], "uncertain");
     assert!(silver["uncertain"].as_str().unwrap().contains("two decimals"));
@@ -123,14 +83,14 @@ fn scripts_get_the_same() {
         assert_eq!(silver["wavelength_nm"][i], nm);
         assert_eq!((silver["n"][i].as_f64(), silver["k"][i].as_f64()), (Some(n.re), Some(n.im)));
     }
-    let air = &desk.json(&["air"])[0];
+    let air = &json(&desk, &["air"])[0];
     assert!(air["range_nm"].is_null() && air["uncertain"].is_null() && air["certainty"] == "published");
 }
 
 #[test]
 fn pictures_have_axes_and_a_title() {
-    let desk = Desk::new("plot");
-    desk.copy("Si-Edwards.yml", "si.yml");
+    let desk = Desk::of("materials", "plot");
+    copy(&desk, "Si-Edwards.yml", "si.yml");
     for (args, k) in [
         (&["water"][..], false),
         (&["Al"], true),
@@ -139,7 +99,7 @@ fn pictures_have_axes_and_a_title() {
         (&["melanin", "--wavelengths", "550"], true),
         (&["si.yml"], false),
     ] {
-        let output = desk.materials(&[args, &["--plot", "a.svg"]].concat());
+        let output = desk.run(&[args, &["--plot", "a.svg"]].concat());
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", errors(&output));
         assert!(errors(&output).contains("wrote a.svg") && !output.stdout.is_empty());
         let svg = fs::read_to_string(desk.0.join("a.svg")).unwrap();
@@ -152,7 +112,7 @@ fn pictures_have_axes_and_a_title() {
 
 #[test]
 fn what_is_wrong_is_said() {
-    let desk = Desk::new("wrong");
+    let desk = Desk::of("materials", "wrong");
     fs::write(desk.0.join("bad.yml"), "DATA:\n  - type: formula 12\n").unwrap();
     for (args, expected) in [
         (&["silca"][..], "found no built-in medium `silca` (did you mean `silica`?)"),

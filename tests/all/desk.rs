@@ -4,18 +4,41 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-/// A directory of its own for a test.
-pub struct Desk(pub PathBuf);
+/// A directory of its own for a test, and the subcommand that is run there, if it is always the same.
+pub struct Desk(pub PathBuf, Option<&'static str>);
 
 impl Desk {
     pub fn new(name: &str) -> Self {
-        let dir = std::env::temp_dir().join(format!("gonio-cli-{name}-{}", std::process::id()));
+        Self::of(None, name)
+    }
+
+    /// A desk for a subcommand.
+    pub fn of(command: impl Into<Option<&'static str>>, name: &str) -> Self {
+        let command = command.into();
+        let kind = command.unwrap_or("cli");
+        let dir = std::env::temp_dir().join(format!("gonio-{kind}-{name}-{}", std::process::id()));
         fs::create_dir_all(&dir).unwrap();
-        Self(dir)
+        Self(dir, command)
     }
 
     pub fn run(&self, args: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_gonio-embree")).args(args).current_dir(&self.0).output().unwrap()
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gonio-embree"));
+        command.args(self.1).args(args).current_dir(&self.0).output().unwrap()
+    }
+
+    /// What it prints when all is well.
+    pub fn printed(&self, args: &[&str]) -> String {
+        let output = self.run(args);
+        assert_eq!(code(&output), Some(0), "{args:?}: {}", errors(&output));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// What it complains about, with exit code 2 and nothing printed.
+    pub fn complaint(&self, args: &[&str]) -> String {
+        let output = self.run(args);
+        assert_eq!(code(&output), Some(2), "{args:?}: {}", errors(&output));
+        assert!(output.stdout.is_empty());
+        errors(&output)
     }
 
     pub fn write(&self, name: &str, text: &str) {

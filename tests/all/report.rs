@@ -1,46 +1,14 @@
 //! `report`: a result as a page.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use gonio_embree::experiment::{Settings, measure};
 use gonio_embree::light::{Incidence, Light, Polarization, SourceMode, Wavelengths};
 use gonio_embree::output::{EffectUsed, Measured, Provenance, StackHits, UsedBackend, Validity, netcdf, report};
 use gonio_embree::sample::{Description, Sample};
 
-/// A directory of its own for a test.
-struct Desk(PathBuf);
-
-impl Desk {
-    fn new(name: &str) -> Self {
-        let dir = std::env::temp_dir().join(format!("gonio-report-{name}-{}", std::process::id()));
-        fs::create_dir_all(&dir).unwrap();
-        Self(dir)
-    }
-
-    fn run(&self, args: &[&str]) -> Output {
-        let program = env!("CARGO_BIN_EXE_gonio-embree");
-        Command::new(program).arg("report").args(args).current_dir(&self.0).output().unwrap()
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(&self.0).unwrap();
-        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().to_string_lossy().into()).collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Desk {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn errors(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into()
-}
+use crate::desk::{Desk, errors};
 
 /// A result as large as that of the README: 17 incidences and 16 wavelengths, but with names nobody should use.
 fn nasty() -> Measured {
@@ -129,7 +97,7 @@ fn what_is_doubtful_is_told() {
 
 #[test]
 fn the_command_writes_a_page_beside_the_result() {
-    let desk = Desk::new("writes");
+    let desk = Desk::of("report", "writes");
     let measured = nasty();
     fs::write(desk.0.join("a.nc"), netcdf::to_bytes(&measured).unwrap()).unwrap();
     let output = desk.run(&["a.nc"]);
@@ -145,7 +113,7 @@ fn the_command_writes_a_page_beside_the_result() {
 
 #[test]
 fn what_cannot_be_reported_is_said() {
-    let desk = Desk::new("refuses");
+    let desk = Desk::of("report", "refuses");
     fs::write(desk.0.join("text.nc"), "no result").unwrap();
     for (args, told) in [
         (&["none.nc"][..], "error: none.nc: cannot be read"),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{Block, Export, Exported, Grey, Source, Way, deltas, document, in_sample, measured, notes, refuse};
 use crate::bsdf::Lookup;
-use crate::dome::Patch;
+use crate::dome::{Facet, Patch};
 use crate::output::export::points::{direction, incidence_from};
 
 /// Rings of a hemisphere: lower bound of the polar angle in degrees, and number of patches; the last ends at 90°.
@@ -127,11 +127,11 @@ fn column(lookup: &Lookup<'_>, way: Way, cells: &[Cell], grey: &Grey<'_>, light:
             }
             let spectrum: Vec<f64> = f.value.iter().map(|e| e.value).collect();
             let xyz = grey.xyz(&spectrum);
-            let turn = -part.turn_deg.to_radians();
+            let (turn, cap) = (-part.turn_deg.to_radians(), Cap::around(f.facet));
             for (cell, c) in cells.iter().enumerate() {
                 // Light from below was measured on the sample turned over, which mirrors azimuths.
                 let patch = if way.from_below { mirrored(&c.patch) } else { c.patch };
-                let overlap = if may_meet(&patch, f.facet, turn) { patch.covers(f.facet, turn) } else { 0.0 };
+                let overlap = if cap.may_meet(&patch, turn) { patch.covers(f.facet, turn) } else { 0.0 };
                 if overlap > 0.0 {
                     put(cell, xyz, part.weight * overlap);
                 }
@@ -148,24 +148,39 @@ fn mirrored(patch: &Patch) -> Patch {
     Patch { phi: patch.phi.map(|[from, to]| [-to, -from]), ..*patch }
 }
 
-/// Whether a facet is near enough to a patch to reach into it.
-fn may_meet(patch: &Patch, facet: crate::dome::Facet, turn: f64) -> bool {
-    let center = facet.center();
-    let radius = facet.corners().iter().map(|c| c.angle_between(center)).fold(0.0, f64::max);
-    let theta = center.z.abs().acos();
-    let [from, to] = patch.theta;
-    if theta + radius < from || theta - radius > to {
-        return false;
+/// The directions around the centre of a facet that hold it: angles in radians.
+struct Cap {
+    theta: f64,
+    phi: f64,
+    radius: f64,
+    /// Half the range of azimuths that it spans, unless it holds a pole.
+    half: f64,
+}
+
+impl Cap {
+    fn around(facet: Facet) -> Self {
+        let center = facet.center();
+        let radius = facet.corners().iter().map(|c| c.angle_between(center)).fold(0.0, f64::max);
+        let theta = center.z.abs().acos();
+        let half = (radius.sin() / theta.sin()).min(1.0).asin();
+        Self { theta, phi: center.y.atan2(center.x), radius, half }
     }
-    let Some([from, to]) = patch.phi else { return true };
-    if theta <= radius {
-        return true;
+
+    /// Whether the facet, turned by some azimuth, is near enough to a patch to reach into it.
+    fn may_meet(&self, patch: &Patch, turn: f64) -> bool {
+        let &Self { theta, phi, radius, half } = self;
+        let [from, to] = patch.theta;
+        if theta + radius < from || theta - radius > to {
+            return false;
+        }
+        let Some([from, to]) = patch.phi else { return true };
+        if theta <= radius {
+            return true;
+        }
+        let phi = phi + turn - 0.5 * (from + to);
+        let phi = (phi + PI).rem_euclid(2.0 * PI) - PI;
+        phi.abs() <= half + 0.5 * (to - from)
     }
-    // Half the range of azimuths that a cap spans.
-    let half = (radius.sin() / theta.sin()).min(1.0).asin();
-    let phi = center.y.atan2(center.x) + turn - 0.5 * (from + to);
-    let phi = (phi + PI).rem_euclid(2.0 * PI) - PI;
-    phi.abs() <= half + 0.5 * (to - from)
 }
 
 /// Number of the patch that holds a direction.
@@ -205,8 +220,8 @@ mod tests {
             let cells = basis.cells();
             for turn in cells.iter().map(|c| c.phi).chain([0.3]) {
                 for c in &cells {
-                    let sum: f64 = crate::dome::Facet::all(2)
-                        .filter(|f| f.center().z > 0.0 && may_meet(&c.patch, *f, turn))
+                    let sum: f64 = Facet::all(2)
+                        .filter(|f| f.center().z > 0.0 && Cap::around(*f).may_meet(&c.patch, turn))
                         .map(|f| c.patch.covers(f, turn))
                         .sum();
                     let whole = c.patch.projected_solid_angle();
@@ -220,8 +235,9 @@ mod tests {
     #[test]
     fn nothing_that_overlaps_is_passed_over() {
         let cells = FULL.cells();
-        for facet in crate::dome::Facet::all(3).step_by(7) {
-            for c in cells.iter().filter(|c| !may_meet(&c.patch, facet, 0.7)) {
+        for facet in Facet::all(3).step_by(7) {
+            let cap = Cap::around(facet);
+            for c in cells.iter().filter(|c| !cap.may_meet(&c.patch, 0.7)) {
                 assert!(c.patch.covers(facet, 0.7) < 1e-14, "{facet:?} {:?}", c.patch);
             }
         }
