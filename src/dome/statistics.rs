@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::frame;
 use super::geodesic::{Facet, count};
 use super::tally::{Shape, Tally};
-use crate::optics::field::{Field, Mueller};
+use crate::optics::field::{Mueller, State};
 
 /// Independent scrambles per incidence, from which the standard errors come.
 pub const BATCHES: u32 = 32;

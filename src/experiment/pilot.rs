@@ -7,7 +7,7 @@
 use super::Bench;
 use super::apart::apart;
 use crate::dome::{Apart, Detector, Entry, Locator, Shape, Tally};
-use crate::optics::field::{Field, Range, Stokes};
+use crate::optics::field::{Range, State, Stokes};
 use crate::plan::{Name, Plan, Verdict};
 use crate::trace::{All, Batch, Detect, Exit, Recorder, Unit, run};
 

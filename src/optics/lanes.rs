@@ -11,6 +11,25 @@ use pulp::Simd;
 /// Most numbers any processor holds side by side.
 pub const WIDEST: usize = 8;
 
+/// A real number, or several side by side: what holds for both is written once.
+pub trait Number:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self> + Neg<Output = Self>
+{
+    /// Quotient.
+    fn over(self, other: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Size.
+    fn abs(self) -> Self;
+    /// Quotient, or 0 where there is nothing to divide by.
+    fn share_of(self, whole: Self) -> Self;
+}
+
+/// The room that numbers of so many wavelengths need, so that whole registers can be read: one is read alone.
+pub fn padded(wavelengths: usize) -> usize {
+    if wavelengths == 1 { 1 } else { wavelengths.next_multiple_of(WIDEST) }
+}
+
 /// Real numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<S: Simd> {
@@ -33,6 +52,9 @@ pub struct Complex<S: Simd> {
     /// Imaginary parts.
     pub im: Lanes<S>,
 }
+
+/// 2 to the power of the place.
+const BITS: [f64; WIDEST] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
 
 /// 1.5·2⁵²: adding it rounds to an integer, whose last bits then are those of the sum.
 const ROUND: f64 = 6_755_399_441_055_744.0;
@@ -157,7 +179,70 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
+impl Number for f64 {
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        self / other
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn share_of(self, whole: Self) -> Self {
+        if whole > 0.0 { self / whole } else { 0.0 }
+    }
+}
+
+impl<S: Simd> Number for Lanes<S> {
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        self.over(other)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn share_of(self, whole: Self) -> Self {
+        let zero = self.number(0.0);
+        whole.gt(zero).choose(self.over(whole), zero)
+    }
+}
+
 impl<S: Simd> Mask<S> {
+    /// A bit for each number, the first one lowest, here and in another mask.
+    #[inline(always)]
+    pub fn bits_with(self, other: Self) -> [u64; 2] {
+        let s = self.s;
+        let (bits, none) = (S::as_simd_f64s(&BITS).0[0], s.splat_f64s(0.0));
+        let high = s.mul_f64s(bits, s.splat_f64s(f64::from(1 << WIDEST)));
+        // Sums of different powers of two: exact.
+        let sum = s.add_f64s(s.select_f64s(self.m, bits, none), s.select_f64s(other.m, high, none));
+        let sum = s.reduce_sum_f64s(sum) as u64;
+        [sum % (1 << WIDEST), sum >> WIDEST]
+    }
+
+    /// The opposite.
+    #[inline(always)]
+    pub fn not(self) -> Self {
+        Self { s: self.s, m: self.s.not_m64s(self.m) }
+    }
+
     /// Takes from the first where true.
     #[inline(always)]
     pub fn choose(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {

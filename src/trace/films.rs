@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use rustc_hash::FxBuildHasher;
 
+use super::beams::{BeamTable, Beams};
 use super::finder::{Finder, Reach, Stack, Start, World};
-use super::media::{Beams, Media};
+use super::media::Media;
 use super::report::Stacks;
 use crate::optics::batch::{Question, Sides, Solver};
 use crate::optics::field::Field;
@@ -29,7 +30,7 @@ pub struct Found<'a, P> {
     /// The stack.
     pub stack: &'a Stack,
     /// By number of the lane.
-    pub beams: &'a [Beams<P>],
+    pub beams: &'a BeamTable<P>,
     /// Who absorbs, if anything does.
     pub absorption: Option<Absorption<'a>>,
 }
@@ -55,9 +56,9 @@ impl Absorption<'_> {
 }
 
 impl<F: Field> Films<F> {
-    /// An empty memory.
-    pub fn new(rules: &FilmRules) -> Self {
-        Self { finder: Finder::new(), solved: Solved::new(rules.tables), stacks: Stacks::default() }
+    /// An empty memory, for so many lanes.
+    pub fn new(rules: &FilmRules, lanes: usize) -> Self {
+        Self { finder: Finder::new(), solved: Solved::new(rules.tables, lanes), stacks: Stacks::default() }
     }
 
     /// Looks for a stack under a point; says whether there is a layer.
@@ -88,7 +89,7 @@ impl<F: Field> Films<F> {
 
 /// What a stack does to each lane.
 struct Solution<P> {
-    beams: Vec<Beams<P>>,
+    beams: BeamTable<P>,
     /// What each layer absorbs, lane by lane; empty if none does.
     losses: Vec<Pair<f64>>,
 }
@@ -147,14 +148,14 @@ const MOST_TABLES: usize = 1 << 8;
 const FEWEST_TABULATED: usize = 5;
 
 impl<F: Field> Solved<F> {
-    fn new(tabulate: bool) -> Self {
+    fn new(tabulate: bool, lanes: usize) -> Self {
         Self {
             key: Vec::new(),
             exact: Known::NOTHING,
             tables: Known::NOTHING,
             tabulate,
             work: Work::default(),
-            fleeting: Solution { beams: Vec::new(), losses: Vec::new() },
+            fleeting: Solution { beams: BeamTable::new(lanes), losses: Vec::new() },
         }
     }
 
@@ -165,18 +166,16 @@ impl<F: Field> Solved<F> {
             self.set_key(start, stack, true);
             let solve = || {
                 self.work.solve(media, start, stack);
-                Solution {
-                    beams: self.work.beams::<F>(media, start, stack).collect(),
-                    losses: std::mem::take(&mut self.work.losses),
-                }
+                let mut beams = BeamTable::new(media.lanes());
+                beams.set_all(self.work.beams::<F>(media, start, stack));
+                Solution { beams, losses: std::mem::take(&mut self.work.losses) }
             };
             return self.exact.get(MOST_SOLVED, &self.key, solve);
         }
         if !self.look_up(media, start, stack) {
             self.work.solve(media, start, stack);
         }
-        self.fleeting.beams.clear();
-        self.fleeting.beams.extend(self.work.beams::<F>(media, start, stack));
+        self.fleeting.beams.set_all(self.work.beams::<F>(media, start, stack));
         std::mem::swap(&mut self.fleeting.losses, &mut self.work.losses);
         &self.fleeting
     }

@@ -1,5 +1,6 @@
 //! Media at the traced wavelengths, and single interfaces between them.
 
+use super::beams::Beams;
 use crate::optics::batch::Spectrum;
 use crate::optics::field::{Field, Passage};
 use crate::optics::fresnel::{self, Dielectric};
@@ -32,22 +33,6 @@ pub struct Refraction {
     pub ratio: f64,
     /// cos θ₂.
     pub cos: f64,
-}
-
-/// What an interface, or a stack, does to the reflected and the transmitted beam.
-#[derive(Clone, Copy, Debug)]
-pub struct Beams<P> {
-    /// Reflection.
-    pub reflected: P,
-    /// Transmission.
-    pub transmitted: P,
-}
-
-impl<P: Passage> Beams<P> {
-    /// From amplitude coefficients.
-    pub fn new(c: &Coefficients) -> Self {
-        Self { reflected: P::new(c.r), transmitted: P::new(c.t) }
-    }
 }
 
 /// Direction of a ray towards an interface: cosine and sine of the angle of incidence.

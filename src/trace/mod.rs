@@ -1,5 +1,6 @@
 //! Follows ray trees through the sample.
 
+mod beams;
 mod effects;
 mod films;
 mod finder;

@@ -1,11 +1,14 @@
 //! Rays in flight, in numbered slots: what is asked of the geometry, the answer, and what each ray carries lie in
 //! one list each, so that a ray changes in place and nothing is allocated per ray.
 
+use std::marker::PhantomData;
+
 use glam::DVec3;
 
 use super::inside::Inside;
 use crate::geometry::{Nearest, PrimId, Query};
-use crate::optics::field::Field;
+use crate::optics::field::{Field, gather, scatter};
+use crate::optics::lanes::padded;
 use crate::sample::MediumId;
 
 /// What ends a segment if no interface does.
@@ -53,7 +56,6 @@ pub type Slot = usize;
 /// Rays by slot.
 #[derive(Debug)]
 pub struct Stream<F> {
-    lanes: usize,
     words: usize,
     media: usize,
     /// Where each ray is and goes.
@@ -64,8 +66,12 @@ pub struct Stream<F> {
     pub flights: Vec<Flight>,
     /// Which lanes it carries: a bit each.
     masks: Vec<u64>,
-    /// Field of each lane; those it does not carry are left over from others.
-    fields: Vec<F>,
+    /// Room for the lanes of one number of a field.
+    apart: usize,
+    /// Fields: for each ray all first numbers by lane, then all second ones, and so on. Those of lanes that it does not
+    /// carry are left over from others.
+    fields: Vec<f64>,
+    kind: PhantomData<F>,
     /// Length travelled per medium, µm.
     lengths: Vec<f64>,
     free: Vec<Slot>,
@@ -75,14 +81,15 @@ impl<F: Field> Stream<F> {
     /// No rays yet; each will have `lanes` lanes and follow its length in `media` media.
     pub fn new(lanes: usize, media: usize) -> Self {
         Self {
-            lanes,
             words: lanes.div_ceil(64),
             media,
             queries: Vec::new(),
             answers: Vec::new(),
             flights: Vec::new(),
             masks: Vec::new(),
+            apart: padded(lanes),
             fields: Vec::new(),
+            kind: PhantomData,
             lengths: Vec::new(),
             free: Vec::new(),
         }
@@ -102,7 +109,7 @@ impl<F: Field> Stream<F> {
         self.answers.push(Nearest::none(0.0));
         self.flights.push(flight);
         self.masks.resize((slot + 1) * self.words, 0);
-        self.fields.resize((slot + 1) * self.lanes, F::incident([0.0; 4]));
+        self.fields.resize((slot + 1) * self.room(), 0.0);
         self.lengths.resize((slot + 1) * self.media, 0.0);
         slot
     }
@@ -152,7 +159,8 @@ impl<F: Field> Stream<F> {
     pub fn put(&mut self, slot: Slot, lane: u16, field: F) {
         let lane = usize::from(lane);
         self.masks[slot * self.words + lane / 64] |= 1 << (lane % 64);
-        self.fields[slot * self.lanes + lane] = field;
+        let apart = self.apart;
+        scatter(&field, self.numbers_mut(slot), lane, apart);
     }
 
     /// Takes a lane from a ray.
@@ -165,7 +173,32 @@ impl<F: Field> Stream<F> {
     /// The field of a lane.
     #[inline]
     pub fn field(&self, slot: Slot, lane: u16) -> F {
-        self.fields[slot * self.lanes + usize::from(lane)]
+        gather(self.numbers(slot), usize::from(lane), self.apart)
+    }
+
+    /// Numbers of the fields of a ray.
+    #[inline]
+    fn room(&self) -> usize {
+        F::PARTS * self.apart
+    }
+
+    /// The fields of a ray: the first number of all lanes ([padded]), then the second, and so on.
+    #[inline]
+    pub fn numbers(&self, slot: Slot) -> &[f64] {
+        &self.fields[slot * self.room()..(slot + 1) * self.room()]
+    }
+
+    /// The same, to be changed.
+    #[inline]
+    pub fn numbers_mut(&mut self, slot: Slot) -> &mut [f64] {
+        let room = self.room();
+        &mut self.fields[slot * room..(slot + 1) * room]
+    }
+
+    /// Takes all lanes from a ray, and gives it these: a bit each.
+    #[inline]
+    pub fn set_lanes(&mut self, slot: Slot, words: impl Iterator<Item = u64>) {
+        self.masks[slot * self.words..(slot + 1) * self.words].iter_mut().zip(words).for_each(|(to, from)| *to = from);
     }
 
     /// Lanes with their fields.

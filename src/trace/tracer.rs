@@ -45,7 +45,7 @@ impl<'k, 'a, F: Field, E: Effects> Tracer<'k, 'a, F, E> {
         Self {
             kernel,
             stream: Stream::new(kernel.lanes(), kernel.followed()),
-            films: Films::new(&kernel.plan.films),
+            films: Films::new(&kernel.plan.films, kernel.lanes()),
             scratch: Scratch::new(kernel.lanes()),
             asked: Vec::new(),
             next: Vec::new(),

@@ -14,11 +14,114 @@ pub use mueller::Mueller;
 pub use power::{Power, Range};
 pub use stokes::{Powers, Stokes};
 
+use pulp::Simd;
+
 use super::fresnel::{Dielectric, Refracted};
+use super::lanes::{Lanes, Number};
 use super::{C64, Pair};
 
+/// Something made of a fixed count of numbers, which lie apart from each other where many of its kind are kept.
+///
+/// None of this is done by closures: those are not compiled for the registers of the processor.
+pub trait Parts<T: Number>: Copy {
+    /// How many.
+    const PARTS: usize;
+
+    /// From its numbers, in order.
+    fn from_parts(parts: &[T]) -> Self;
+
+    /// Writes its numbers, in order.
+    fn write(&self, to: &mut [T]);
+}
+
+/// Nothing has more parts.
+pub const MOST_PARTS: usize = 16;
+
+/// What lies at lane `at` of a list of all first numbers, then all second ones, and so on, `apart` of each.
+#[inline(always)]
+pub fn gather<P: Parts<f64>>(from: &[f64], at: usize, apart: usize) -> P {
+    let mut parts = [0.0; MOST_PARTS];
+    for i in 0..P::PARTS {
+        parts[i] = from[i * apart + at];
+    }
+    P::from_parts(&parts)
+}
+
+/// Writes to where [`gather`] reads.
+#[inline(always)]
+pub fn scatter<P: Parts<f64>>(what: &P, to: &mut [f64], at: usize, apart: usize) {
+    let mut parts = [0.0; MOST_PARTS];
+    what.write(&mut parts);
+    for i in 0..P::PARTS {
+        to[i * apart + at] = parts[i];
+    }
+}
+
+/// The same as [`gather`] for a whole block of lanes.
+#[inline(always)]
+pub fn load<S: Simd, P: Parts<Lanes<S>>>(s: S, from: &[f64], block: usize, apart: usize) -> P {
+    let mut parts = [Lanes::splat(s, 0.0); MOST_PARTS];
+    for i in 0..P::PARTS {
+        parts[i] = Lanes::load(s, &from[i * apart..(i + 1) * apart], block);
+    }
+    P::from_parts(&parts)
+}
+
+/// Writes to where [`load`] reads.
+#[inline(always)]
+pub fn store<S: Simd, P: Parts<Lanes<S>>>(s: S, what: &P, to: &mut [f64], block: usize, apart: usize) {
+    let mut parts = [Lanes::splat(s, 0.0); MOST_PARTS];
+    what.write(&mut parts);
+    for i in 0..P::PARTS {
+        parts[i].store(&mut to[i * apart..(i + 1) * apart], block);
+    }
+}
+
+/// The same for a whole block of lanes.
+#[inline(always)]
+pub fn splat<S: Simd, P: Parts<f64>, W: Parts<Lanes<S>>>(s: S, what: &P) -> W {
+    let mut parts = [0.0; MOST_PARTS];
+    what.write(&mut parts);
+    let mut wide = [Lanes::splat(s, 0.0); MOST_PARTS];
+    for i in 0..W::PARTS {
+        wide[i] = Lanes::splat(s, parts[i]);
+    }
+    W::from_parts(&wide)
+}
+
+/// The state of light on a ray: at one wavelength, or at several side by side.
+pub trait State<T: Number>: Parts<T> {
+    /// What reflection, or transmission, at an interface does to this kind of state.
+    type Passage: Shares<T>;
+
+    /// Power along x̂ and along ŷ.
+    fn powers(&self) -> [T; 2];
+
+    /// All power.
+    #[inline(always)]
+    fn power(&self) -> T {
+        let [x, y] = self.powers();
+        x + y
+    }
+
+    /// The same light in the frame whose x̂ is cos·x̂ + sin·ŷ.
+    #[must_use]
+    fn rotated(&self, cos: f64, sin: f64) -> Self;
+
+    /// The light behind an interface whose plane of incidence is spanned by x̂: x̂ is p, ŷ is s.
+    #[must_use]
+    fn times(&self, by: &Self::Passage) -> Self;
+
+    /// The light with its power multiplied.
+    #[must_use]
+    fn scaled(&self, power: T) -> Self;
+}
+
 /// The state of light on a ray at one wavelength.
-pub trait Field: Copy + Send + Sync + std::fmt::Debug + 'static {
+pub trait Field: State<f64, Passage: Passage> + Send + Sync + std::fmt::Debug + 'static {
+    /// The same kind of state at several wavelengths.
+    type Of<T: Number>: State<T>;
+
     /// How many numbers tell of light that has left: its power first.
     const COMPONENTS: usize;
 
@@ -29,40 +132,21 @@ pub trait Field: Copy + Send + Sync + std::fmt::Debug + 'static {
     #[must_use]
     fn depolarized(&self, share: f64) -> Self;
 
-    /// Power along x̂ and along ŷ.
-    fn powers(&self) -> [f64; 2];
-
-    /// All power.
-    #[inline]
-    fn power(&self) -> f64 {
-        let [x, y] = self.powers();
-        x + y
-    }
-
     /// Adds the numbers that tell of this light to `out`.
     #[inline]
     fn add_to(&self, out: &mut [f64]) {
         out[0] += self.power();
     }
-
-    /// The same light in the frame whose x̂ is cos·x̂ + sin·ŷ.
-    #[must_use]
-    fn rotated(&self, cos: f64, sin: f64) -> Self;
-
-    /// What reflection, or transmission, at an interface does to this kind of state.
-    type Passage: Passage;
-
-    /// The light behind an interface whose plane of incidence is spanned by x̂: x̂ is p, ŷ is s.
-    #[must_use]
-    fn times(&self, by: &Self::Passage) -> Self;
-
-    /// The light with its power multiplied.
-    #[must_use]
-    fn scaled(&self, power: f64) -> Self;
 }
 
-/// One of the two beams of an interface.
-pub trait Passage: Copy + Send + Sync + std::fmt::Debug + 'static {
+/// What one of the two beams of an interface gets.
+pub trait Shares<T: Number>: Parts<T> {
+    /// Shares of the power that s and p light have in this beam.
+    fn shares(&self) -> Pair<T>;
+}
+
+/// One of the two beams of an interface, at one wavelength.
+pub trait Passage: Shares<f64> + Send + Sync + std::fmt::Debug + 'static {
     /// From power-normalised amplitude coefficients.
     fn new(amplitudes: Pair<C64>) -> Self;
 
@@ -71,9 +155,6 @@ pub trait Passage: Copy + Send + Sync + std::fmt::Debug + 'static {
 
     /// Transmission through one.
     fn transmission(d: &Refracted) -> Self;
-
-    /// Shares of the power that s and p light have in this beam.
-    fn shares(&self) -> Pair<f64>;
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! Mueller matrices: what becomes of light of any polarization.
 
-use super::Field;
 use super::stokes::{Powers, Stokes};
+use super::{Field, Number, Parts, State};
 
 /// A Mueller matrix by columns: what four kinds of light of unit power have become that are unpolarized, and (added to
 /// that) linear along x̂, linear at 45°, and right-handed. Ways are chosen by the power of unpolarized light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mueller([Stokes; 4]);
+pub struct Mueller<T = f64>([Stokes<T>; 4]);
 
 impl Mueller {
     /// From its elements by rows.
@@ -29,10 +29,63 @@ impl Mueller {
     }
 }
 
+impl<T: Number> Parts<T> for Mueller<T> {
+    const PARTS: usize = 16;
+
+    #[inline(always)]
+    fn from_parts(parts: &[T]) -> Self {
+        Self([
+            Stokes::from_parts(&parts[..4]),
+            Stokes::from_parts(&parts[4..8]),
+            Stokes::from_parts(&parts[8..12]),
+            Stokes::from_parts(&parts[12..]),
+        ])
+    }
+
+    #[inline(always)]
+    fn write(&self, to: &mut [T]) {
+        for (column, stokes) in self.0.iter().enumerate() {
+            stokes.write(&mut to[4 * column..4 * column + 4]);
+        }
+    }
+}
+
+impl<T: Number> State<T> for Mueller<T> {
+    type Passage = Powers<T>;
+
+    #[inline(always)]
+    fn powers(&self) -> [T; 2] {
+        self.0[0].powers()
+    }
+
+    #[inline(always)]
+    fn power(&self) -> T {
+        self.0[0].i
+    }
+
+    #[inline(always)]
+    fn rotated(&self, cos: f64, sin: f64) -> Self {
+        let Self([a, b, c, d]) = self;
+        Self([a.rotated(cos, sin), b.rotated(cos, sin), c.rotated(cos, sin), d.rotated(cos, sin)])
+    }
+
+    #[inline(always)]
+    fn times(&self, by: &Powers<T>) -> Self {
+        let Self([a, b, c, d]) = self;
+        Self([a.times(by), b.times(by), c.times(by), d.times(by)])
+    }
+
+    #[inline(always)]
+    fn scaled(&self, power: T) -> Self {
+        let Self([a, b, c, d]) = self;
+        Self([a.scaled(power), b.scaled(power), c.scaled(power), d.scaled(power)])
+    }
+}
+
 impl Field for Mueller {
+    type Of<T: Number> = Mueller<T>;
     /// By rows.
     const COMPONENTS: usize = 16;
-    type Passage = Powers;
 
     /// All states at once, with the power of this one.
     fn incident([power, ..]: [f64; 4]) -> Self {
@@ -45,36 +98,11 @@ impl Field for Mueller {
     }
 
     #[inline]
-    fn powers(&self) -> [f64; 2] {
-        self.0[0].powers()
-    }
-
-    #[inline]
-    fn power(&self) -> f64 {
-        self.0[0].i
-    }
-
-    #[inline]
     fn add_to(&self, out: &mut [f64]) {
         for (c, column) in self.0.iter().enumerate() {
             for (row, x) in column.components().into_iter().enumerate() {
                 out[4 * row + c] += x;
             }
         }
-    }
-
-    #[inline]
-    fn rotated(&self, cos: f64, sin: f64) -> Self {
-        Self(self.0.map(|column| column.rotated(cos, sin)))
-    }
-
-    #[inline]
-    fn times(&self, by: &Powers) -> Self {
-        Self(self.0.map(|column| column.times(by)))
-    }
-
-    #[inline]
-    fn scaled(&self, power: f64) -> Self {
-        Self(self.0.map(|column| column.scaled(power)))
     }
 }

@@ -2,15 +2,15 @@
 
 use super::super::{C64, Pair};
 use super::stokes::Powers;
-use super::{Dielectric, Field, Passage, Refracted};
+use super::{Dielectric, Field, Number, Parts, Passage, Refracted, Shares, State};
 
 /// The power of light that counts as unpolarized wherever it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Power(f64);
+pub struct Power<T = f64>(T);
 
 /// The mean share of s and p.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mean(f64);
+pub struct Mean<T = f64>(T);
 
 impl Mean {
     #[inline]
@@ -36,16 +36,75 @@ impl Passage for Mean {
     fn transmission(d: &Refracted) -> Self {
         Self::of(d.t_powers().0)
     }
+}
 
-    #[inline]
-    fn shares(&self) -> Pair<f64> {
+impl<T: Number> Parts<T> for Mean<T> {
+    const PARTS: usize = 1;
+
+    #[inline(always)]
+    fn from_parts(parts: &[T]) -> Self {
+        Self(parts[0])
+    }
+
+    #[inline(always)]
+    fn write(&self, to: &mut [T]) {
+        to[0] = self.0;
+    }
+}
+
+impl<T: Number> Shares<T> for Mean<T> {
+    #[inline(always)]
+    fn shares(&self) -> Pair<T> {
         Pair { s: self.0, p: self.0 }
     }
 }
 
+impl<T: Number> Parts<T> for Power<T> {
+    const PARTS: usize = 1;
+
+    #[inline(always)]
+    fn from_parts(parts: &[T]) -> Self {
+        Self(parts[0])
+    }
+
+    #[inline(always)]
+    fn write(&self, to: &mut [T]) {
+        to[0] = self.0;
+    }
+}
+
+impl<T: Number> State<T> for Power<T> {
+    type Passage = Mean<T>;
+
+    #[inline(always)]
+    fn powers(&self) -> [T; 2] {
+        [self.0 * 0.5; 2]
+    }
+
+    #[inline(always)]
+    fn power(&self) -> T {
+        self.0
+    }
+
+    #[inline(always)]
+    fn rotated(&self, _: f64, _: f64) -> Self {
+        *self
+    }
+
+    #[inline(always)]
+    fn times(&self, Mean(share): &Mean<T>) -> Self {
+        Self(self.0 * *share)
+    }
+
+    #[inline(always)]
+    fn scaled(&self, power: T) -> Self {
+        Self(self.0 * power)
+    }
+}
+
 impl Field for Power {
+    type Of<T: Number> = Power<T>;
     const COMPONENTS: usize = 1;
-    type Passage = Mean;
 
     fn incident(stokes: [f64; 4]) -> Self {
         Self(stokes[0])
@@ -53,31 +112,6 @@ impl Field for Power {
 
     fn depolarized(&self, share: f64) -> Self {
         Self(share * self.0)
-    }
-
-    #[inline]
-    fn powers(&self) -> [f64; 2] {
-        [0.5 * self.0; 2]
-    }
-
-    #[inline]
-    fn power(&self) -> f64 {
-        self.0
-    }
-
-    #[inline]
-    fn rotated(&self, _: f64, _: f64) -> Self {
-        *self
-    }
-
-    #[inline]
-    fn times(&self, Mean(share): &Mean) -> Self {
-        Self(self.0 * share)
-    }
-
-    #[inline]
-    fn scaled(&self, power: f64) -> Self {
-        Self(self.0 * power)
     }
 }
 
@@ -87,10 +121,10 @@ impl Field for Power {
 /// power differs from the product of the means by no more than (∏(1 + D) + ∏(1 − D))/2 − 1 of it, whatever lies between.
 /// Light that comes polarized to the degree D is as if it came through one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    power: f64,
+pub struct Range<T = f64> {
+    power: T,
     /// ∏(1 + D) and ∏(1 − D).
-    products: [f64; 2],
+    products: [T; 2],
 }
 
 impl Range {
@@ -100,9 +134,50 @@ impl Range {
     }
 }
 
+impl<T: Number> Parts<T> for Range<T> {
+    const PARTS: usize = 3;
+
+    #[inline(always)]
+    fn from_parts(parts: &[T]) -> Self {
+        Self { power: parts[0], products: [parts[1], parts[2]] }
+    }
+
+    #[inline(always)]
+    fn write(&self, to: &mut [T]) {
+        (to[0], to[1], to[2]) = (self.power, self.products[0], self.products[1]);
+    }
+}
+
+impl<T: Number> State<T> for Range<T> {
+    type Passage = Powers<T>;
+
+    #[inline(always)]
+    fn powers(&self) -> [T; 2] {
+        [self.power * 0.5; 2]
+    }
+
+    #[inline(always)]
+    fn rotated(&self, _: f64, _: f64) -> Self {
+        *self
+    }
+
+    #[inline(always)]
+    fn times(&self, by: &Powers<T>) -> Self {
+        let Pair { s, p } = by.shares();
+        let d = (s - p).abs().share_of(s + p);
+        let [plus, minus] = self.products;
+        Self { power: self.power * (s + p) * 0.5, products: [plus + plus * d, minus - minus * d] }
+    }
+
+    #[inline(always)]
+    fn scaled(&self, power: T) -> Self {
+        Self { power: self.power * power, ..*self }
+    }
+}
+
 impl Field for Range {
+    type Of<T: Number> = Range<T>;
     const COMPONENTS: usize = 1;
-    type Passage = Powers;
 
     fn incident([power, q, u, v]: [f64; 4]) -> Self {
         let d = if power > 0.0 { ((q * q + u * u + v * v).sqrt() / power).min(1.0) } else { 0.0 };
@@ -112,24 +187,5 @@ impl Field for Range {
     fn depolarized(&self, share: f64) -> Self {
         // What was before is kept as a doubt of the power; the state is known again.
         Self { power: share * self.power, ..*self }
-    }
-
-    fn powers(&self) -> [f64; 2] {
-        [0.5 * self.power; 2]
-    }
-
-    fn rotated(&self, _: f64, _: f64) -> Self {
-        *self
-    }
-
-    fn times(&self, by: &Powers) -> Self {
-        let Pair { s, p } = by.shares();
-        let d = if s + p > 0.0 { (s - p).abs() / (s + p) } else { 0.0 };
-        let [plus, minus] = self.products;
-        Self { power: self.power * 0.5 * (s + p), products: [plus * (1.0 + d), minus * (1.0 - d)] }
-    }
-
-    fn scaled(&self, power: f64) -> Self {
-        Self { power: self.power * power, ..*self }
     }
 }

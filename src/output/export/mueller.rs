@@ -12,7 +12,7 @@ use super::{Export, Exported, Source, refuse};
 use crate::bsdf::{Blend, turned};
 use crate::dome::{theta_direction, turn};
 use crate::light::Incidence;
-use crate::optics::field::{Field as _, Mueller};
+use crate::optics::field::{Field as _, Mueller, State as _};
 
 /// The reader copies so many wavelengths.
 const WAVELENGTHS: usize = 5;

@@ -1,9 +1,14 @@
 //! How the power of a ray is divided at an interface.
 
+use pulp::Simd;
+
+use super::bundle::Shares;
 use super::{
     Absorption, Beams, Behind, Bend, Bits, Effects, Field, Flight, Loss, Pair, Partition, Plane, Recorder, Slot, draw,
 };
-use crate::optics::field::Passage;
+use crate::optics::field::{Parts, Passage, Shares as _};
+use crate::optics::lanes::Lanes;
+use crate::trace::beams::BeamTable;
 
 /// While a tree splits, both beams of a plane face are followed unless one has less than this share of the power. Far below
 /// what can be measured: the reflection of an antireflection coating is a small share that people want to know well.
@@ -14,7 +19,18 @@ pub(super) enum Action<'a, P> {
     /// The same to all.
     Uniform(Beams<P>),
     /// By number of the lane.
-    PerLane(&'a [Beams<P>]),
+    PerLane(&'a BeamTable<P>),
+}
+
+impl<P: Passage> Action<'_, P> {
+    /// For a block of lanes.
+    #[inline(always)]
+    pub fn at<S: Simd, W: Parts<Lanes<S>>>(&self, s: S, block: usize) -> Beams<W> {
+        match self {
+            Self::Uniform(beams) => beams.splat(s),
+            Self::PerLane(table) => table.load(s, block),
+        }
+    }
 }
 
 /// Who takes what is neither reflected nor transmitted.
@@ -28,6 +44,16 @@ pub(super) enum Absorber<'a> {
     Layers(Absorption<'a>),
 }
 
+/// How power is divided, for all lanes of a ray alike.
+pub(super) struct Rule {
+    /// Whether both beams may be followed.
+    pub splits: bool,
+    /// Share of the power below which one is not.
+    pub least: f64,
+    /// The random number by which lanes choose.
+    pub lot: f64,
+}
+
 /// The slots of the reflected and the transmitted beam.
 pub(super) type BeamSlots = [Option<Slot>; 2];
 
@@ -39,55 +65,133 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
     #[inline(always)]
     pub(super) fn divide(
         &mut self,
+        scratch: &mut Shares,
         plane: &Plane,
         action: &Action<'_, F::Passage>,
         behind: Option<Behind<'_>>,
         bend: Bend<'_>,
         absorber: Absorber<'_>,
     ) {
+        let rule = self.rule();
+        let beams = match self.stream.first_lane(self.slot) {
+            (lane, true) => self.divide_lane(lane, &rule, plane, action, bend, absorber),
+            (_, false) => self.divide_bundle(scratch, &rule, plane, action, bend, absorber),
+        };
+        self.send(plane, behind.as_ref(), bend, rule.splits, beams);
+    }
+
+    fn rule(&self) -> Rule {
+        let Flight { events, branch, .. } = self.stream.flights[self.slot];
+        let least = self.kernel.plan.limits.least_share;
+        Rule {
+            splits: events < self.kernel.splits,
+            least: if self.is_plane() { SPLIT_ABOVE } else { SPLIT_ABOVE.max(least) },
+            lot: draw(branch, events, self.numbers),
+        }
+    }
+
+    /// A ray of one lane.
+    #[inline(always)]
+    fn divide_lane(
+        &mut self,
+        lane: u16,
+        rule: &Rule,
+        plane: &Plane,
+        action: &Action<'_, F::Passage>,
+        bend: Bend<'_>,
+        absorber: Absorber<'_>,
+    ) -> BeamSlots {
         let slot = self.slot;
-        let Flight { events, branch, .. } = self.stream.flights[slot];
-        let limits = &self.kernel.plan.limits;
-        let splits = events < self.kernel.splits;
-        let least = if self.is_plane() { SPLIT_ABOVE } else { SPLIT_ABOVE.max(limits.least_share) };
-        let mut beams = [None; 2];
-        let mut lot = None;
-        for word in 0..self.stream.words() {
-            for bit in Bits(self.stream.word(slot, word)) {
-                let lane = (64 * word) as u16 + bit;
-                let Beams { reflected: r, transmitted: t } = match action {
-                    Action::Uniform(beams) => beams,
-                    Action::PerLane(table) => &table[usize::from(lane)],
-                };
-                let field = self.stream.field(slot, lane).rotated(plane.cos, plane.sin);
-                let powers = field.powers();
-                let all = powers[0] + powers[1];
-                let part = |shares: Pair<f64>| shares.p * powers[0] + shares.s * powers[1];
-                let reflected = part(r.shares());
-                let transmitted = if bend.lets_through(lane) { part(t.shares()) } else { 0.0 };
-                let mut kept = all;
-                self.stream.drop_lane(slot, lane);
-                if E::ABSORBS && !matches!(absorber, Absorber::None) {
-                    kept = reflected + transmitted;
-                    self.absorb(absorber, lane, powers, all - kept);
-                }
-                if kept <= 0.0 {
+        let Beams { reflected: r, transmitted: t } = match action {
+            Action::Uniform(beams) => *beams,
+            Action::PerLane(table) => table.get(usize::from(lane)),
+        };
+        let field = self.stream.field(slot, lane).rotated(plane.cos, plane.sin);
+        let powers = field.powers();
+        let all = powers[0] + powers[1];
+        let part = |shares: Pair<f64>| shares.p * powers[0] + shares.s * powers[1];
+        let reflected = part(r.shares());
+        let transmitted = if bend.lets_through(lane) { part(t.shares()) } else { 0.0 };
+        let mut kept = all;
+        if E::ABSORBS && !matches!(absorber, Absorber::None) {
+            kept = reflected + transmitted;
+            self.absorb(absorber, lane, powers, all - kept);
+        }
+        if kept <= 0.0 {
+            return [None; 2];
+        }
+        let both = rule.splits && reflected.min(transmitted) > rule.least * kept;
+        if both {
+            let faintest = self.kernel.plan.limits.faintest;
+            let mut beams = [None; 2];
+            let sides = [(REFLECTED, &r, reflected), (TRANSMITTED, &t, transmitted)];
+            for (side, passage, power) in sides {
+                if power < faintest {
+                    self.recorder.lose(Loss::Depth, lane, power);
                     continue;
                 }
-                let both = splits && reflected.min(transmitted) > least * kept;
-                if both {
-                    self.follow(&mut beams, REFLECTED, lane, field.times(r), reflected);
-                    self.follow(&mut beams, TRANSMITTED, lane, field.times(t), transmitted);
-                } else if transmitted == 0.0
-                    || *lot.get_or_insert_with(|| draw(branch, events, self.numbers)) * kept < reflected
-                {
-                    self.give(&mut beams, REFLECTED, lane, field.times(r).scaled(kept / reflected));
-                } else {
-                    self.give(&mut beams, TRANSMITTED, lane, field.times(t).scaled(kept / transmitted));
+                let to = if beams[REFLECTED].is_some() { self.stream.fork(slot) } else { slot };
+                self.stream.put(to, lane, field.times(passage));
+                beams[side] = Some(to);
+            }
+            return beams;
+        }
+        let reflects = transmitted == 0.0 || rule.lot * kept < reflected;
+        let (passage, power) = if reflects { (&r, reflected) } else { (&t, transmitted) };
+        self.stream.put(slot, lane, field.times(passage).scaled(kept / power));
+        if reflects { [Some(slot), None] } else { [None, Some(slot)] }
+    }
+
+    /// A ray of several lanes, some of them at once.
+    #[inline(never)]
+    fn divide_bundle(
+        &mut self,
+        shares: &mut Shares,
+        rule: &Rule,
+        plane: &Plane,
+        action: &Action<'_, F::Passage>,
+        bend: Bend<'_>,
+        absorber: Absorber<'_>,
+    ) -> BeamSlots {
+        let slot = self.slot;
+        let absorbs = E::ABSORBS && !matches!(absorber, Absorber::None);
+        shares.decide::<F>(self.stream.numbers(slot), action, &bend, [plane.cos, plane.sin], rule, absorbs);
+        let faintest = self.kernel.plan.limits.faintest;
+        let mut any = [false; 2];
+        for word in 0..self.stream.words() {
+            let carried = self.stream.word(slot, word);
+            let [mut reflected, mut transmitted] = shares.chosen[word].map(|bits| bits & carried);
+            if absorbs {
+                for bit in Bits(carried) {
+                    let lane = (64 * word) as u16 + bit;
+                    let [p, s, r, t] = shares.powers(lane);
+                    self.absorb(absorber, lane, [p, s], p + s - (r + t));
                 }
             }
+            for bit in Bits(reflected & transmitted) {
+                let lane = (64 * word) as u16 + bit;
+                let [.., r, t] = shares.powers(lane);
+                for (mask, power) in [(&mut reflected, r), (&mut transmitted, t)] {
+                    if power < faintest {
+                        self.recorder.lose(Loss::Depth, lane, power);
+                        *mask &= !(1 << bit);
+                    }
+                }
+            }
+            shares.chosen[word] = [reflected, transmitted];
+            any = [any[0] || reflected != 0, any[1] || transmitted != 0];
         }
-        self.send(plane, behind.as_ref(), bend, splits, beams);
+        let beams = match any {
+            [true, true] => [Some(slot), Some(self.stream.fork(slot))],
+            [reflects, transmits] => [reflects.then_some(slot), transmits.then_some(slot)],
+        };
+        for (side, to) in beams.into_iter().enumerate() {
+            if let Some(to) = to {
+                shares.hand_over::<F>(side, action, self.stream.numbers_mut(to));
+                self.stream.set_lanes(to, shares.chosen.iter().map(|sides| sides[side]));
+            }
+        }
+        beams
     }
 
     /// Tells who absorbs `power` of a lane, `powers` of which came along p and along s.
@@ -106,27 +210,5 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
                 self.recorder.absorb(absorption.behind, lane, rest);
             }
         }
-    }
-
-    /// Gives a lane to a beam if it is not too faint.
-    #[inline(always)]
-    fn follow(&mut self, beams: &mut BeamSlots, side: usize, lane: u16, field: F, power: f64) {
-        if power >= self.kernel.plan.limits.faintest {
-            self.give(beams, side, lane, field);
-        } else {
-            self.recorder.lose(Loss::Depth, lane, power);
-        }
-    }
-
-    /// Gives a lane to a beam. Whichever beam gets the first lane keeps the slot of the ray.
-    #[inline(always)]
-    fn give(&mut self, beams: &mut BeamSlots, side: usize, lane: u16, field: F) {
-        let slot = match (beams[side], beams[1 - side]) {
-            (Some(slot), _) => slot,
-            (None, None) => self.slot,
-            (None, Some(_)) => self.stream.fork(self.slot),
-        };
-        beams[side] = Some(slot);
-        self.stream.put(slot, lane, field);
     }
 }

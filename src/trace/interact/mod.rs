@@ -6,6 +6,7 @@
 //! parts, go on as several rays. What a lane does depends on its own coefficients only, so it follows the same path
 //! alone or in a bundle, but that a bundle may turn it by what the plan allows, to either side.
 
+mod bundle;
 mod divide;
 mod send;
 
@@ -13,12 +14,13 @@ use std::marker::PhantomData;
 
 use glam::DVec3;
 
+use super::beams::{BeamTable, Beams};
 use super::effects::Effects;
 use super::films::{Absorption, Films, Found};
 use super::finder::{Reach, Start};
 use super::inside::{Around, Inside};
 use super::kernel::Kernel;
-use super::media::{Beams, Refraction, Slant};
+use super::media::{Refraction, Slant};
 use super::random::{TreeKey, decision};
 use super::record::{Loss, Recorder};
 use super::stream::{Bits, Flight, Slot, Stream};
@@ -28,6 +30,7 @@ use crate::optics::{C64, Coefficients, Pair};
 use crate::plan::Edges;
 use crate::sample::{Matter, MediumId};
 
+use bundle::Shares;
 use divide::{Absorber, Action};
 
 /// An interface between two different media, met by a ray.
@@ -103,18 +106,15 @@ impl Bend<'_> {
 
 /// Working memory of one thread.
 pub struct Scratch<F: Field> {
-    beams: Vec<Beams<F::Passage>>,
+    beams: BeamTable<F::Passage>,
     bends: Vec<Option<Refraction>>,
+    shares: Shares,
 }
 
 impl<F: Field> Scratch<F> {
     /// For so many lanes.
     pub fn new(lanes: usize) -> Self {
-        let none = Beams::new(&Coefficients {
-            r: Pair { s: C64::ZERO, p: C64::ZERO },
-            t: Pair { s: C64::ZERO, p: C64::ZERO },
-        });
-        Self { beams: vec![none; lanes], bends: vec![None; lanes] }
+        Self { beams: BeamTable::new(lanes), bends: vec![None; lanes], shares: Shares::new::<F>(lanes) }
     }
 }
 
@@ -145,19 +145,20 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
             Around::Medium(last) => self.refract(films, scratch, last),
             Around::Opaque(solid) => match self.kernel.sample.solids[solid as usize].matter {
                 Matter::Diffuse(share) => self.scatter(share, self.kernel.solids.group(solid)),
-                Matter::Mirror(share) => self.mirror(share, self.kernel.solids.group(solid)),
+                Matter::Mirror(share) => self.mirror(&mut scratch.shares, share, self.kernel.solids.group(solid)),
                 Matter::Medium(_) => unreachable!("a medium is not opaque"),
             },
         }
     }
 
     /// A perfect conductor's signs.
-    fn mirror(&mut self, share: f64, group: u16) {
+    fn mirror(&mut self, shares: &mut Shares, share: f64, group: u16) {
         self.doubt();
         let a = C64::new(share.sqrt(), 0.0);
         let c = Coefficients { r: Pair { s: -a, p: a }, t: Pair { s: C64::ZERO, p: C64::ZERO } };
         let plane = self.plane();
-        self.divide(&plane, &Action::Uniform(Beams::new(&c)), None, Bend::Never, Absorber::One(group));
+        let action = Action::Uniform(Beams::new(&c));
+        self.divide(shares, &plane, &action, None, Bend::Never, Absorber::One(group));
     }
 
     fn refract(&mut self, films: &mut Films<F>, scratch: &mut Scratch<F>, last: MediumId) {
@@ -175,13 +176,15 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         if E::PARTS && !alone && media.varies(first, last) {
             for lane in self.stream.lanes(self.slot) {
                 let (beams, bend) = media.interface::<F>(first, last, lane, plane.slant);
-                (scratch.beams[usize::from(lane)], scratch.bends[usize::from(lane)]) = (beams, bend);
+                scratch.beams.set(usize::from(lane), &beams);
+                scratch.bends[usize::from(lane)] = bend;
             }
             let (action, bend) = (Action::PerLane(&scratch.beams), Bend::PerLane(&scratch.bends));
-            return self.divide(&plane, &action, Some(behind), bend, absorber);
+            return self.divide(&mut scratch.shares, &plane, &action, Some(behind), bend, absorber);
         }
         let (beams, refraction) = media.interface::<F>(first, last, lane, plane.slant);
-        self.divide(&plane, &Action::Uniform(beams), Some(behind), Bend::same(refraction), absorber);
+        let bend = Bend::same(refraction);
+        self.divide(&mut scratch.shares, &plane, &Action::Uniform(beams), Some(behind), bend, absorber);
     }
 
     /// What takes the power that an interface into a medium does not send on.
@@ -227,7 +230,7 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         } else {
             Bend::same(media.refraction(first, stack.last, lane, plane.slant))
         };
-        self.divide(plane, &Action::PerLane(beams), Some(behind), bend, absorber);
+        self.divide(&mut scratch.shares, plane, &Action::PerLane(beams), Some(behind), bend, absorber);
         true
     }
 
