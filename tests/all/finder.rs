@@ -9,7 +9,7 @@ use gonio_embree::dome::Estimate;
 use gonio_embree::experiment::{BATCHES, Settings, measure};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Light, Polarization, SourceMode};
-use gonio_embree::optics::field::{Field, Stokes};
+use gonio_embree::optics::field::{State, Stokes};
 use gonio_embree::optics::film::{Amplitudes, Incidence, Layer, solve};
 use gonio_embree::optics::{C64, Pair};
 use gonio_embree::plan::{Edges, Limits, Options, Probe, Wanted};

@@ -9,7 +9,7 @@ use crate::common::listen::{Entries, Heard, Leaving, entries, listen};
 use glam::{DMat3, DVec2, DVec3};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Light, Polarization};
-use gonio_embree::optics::field::{Field, Stokes};
+use gonio_embree::optics::field::{State, Stokes};
 use gonio_embree::plan::{Limits, Wanted};
 use gonio_embree::sample::description::{Body, Description, Shape};
 use gonio_embree::sample::generate::packing::Packing;

@@ -17,7 +17,7 @@ use gonio_embree::intersect::Scene;
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Light, Polarization};
 use gonio_embree::optics::C64;
-use gonio_embree::optics::field::{Field, Mueller};
+use gonio_embree::optics::field::{Mueller, State};
 use gonio_embree::plan::{Limits, Options, Plan, Wanted};
 use gonio_embree::sample::description::Shape;
 use gonio_embree::trace::{All, Detect, Exit, Kernel, Recorder, Unit, run};

@@ -9,7 +9,7 @@ use gonio_embree::geometry::{
 use gonio_embree::intersect::Scene;
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::Polarization;
-use gonio_embree::optics::field::{Field, Stokes};
+use gonio_embree::optics::field::{State, Stokes};
 use gonio_embree::plan::{Limits, Wanted};
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};

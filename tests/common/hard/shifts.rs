@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3, Vec3};
 use gonio_embree::intersect::choose::Backend;
 use gonio_embree::light::{Incidence, Polarization};
 use gonio_embree::optics::C64;
-use gonio_embree::optics::field::{Field, Mueller, Stokes};
+use gonio_embree::optics::field::{Mueller, State, Stokes};
 use gonio_embree::plan::{Limits, Wanted};
 
 use super::twin::single;
