@@ -106,30 +106,17 @@ def radiance(peer, device, settings, samples, threads, seed):
     return np.array(shares), t, 0
 
 
-def ring_options(ring):
-    """Light from the middle of each patch of a ring."""
-    lower, count = RINGS[ring]
-    theta = 0.5 * (lower + BOUNDS[ring + 1]) if count > 1 else 0
-    return ["--incident", theta, "--azimuth", ",".join(f"{(360 * k / count + 180) % 360}" for k in range(count))]
-
-
 def ours(program, device, trees, threads, seed):
-    """A measurement and an export per ring: its incidences differ in azimuth only. Both are timed, one by one."""
-    shares, exports = np.zeros((2, PATCHES, PATCHES)), 0
+    """A measurement of light from the middle of each patch, and its export; both are timed, one by one."""
+    result = device.sample.with_suffix(".nc")
+    xml = result.with_suffix(".xml")
     with Timed() as t:
-        for ring, (_, count) in enumerate(RINGS):
-            first, result = sum(c for _, c in RINGS[:ring]), device.sample.with_suffix(".nc")
-            options = ring_options(ring) + device.options
-            measure(program, device.sample, [*options, "--wavelengths", NM, "--trees", trees, "--threads", threads,
-                                             "--seed", seed], result)
-            xml = result.with_suffix(".xml")
-            with Timed() as export:
-                subprocess.run([str(c) for c in (program, "export", result, "--to", "klems-full", "--wavelength", NM, "-o",
-                                                 xml, "--quiet")], check=True)
-            exports += export.wall
-            columns = slice(first, first + count)
-            shares[:, :, columns] = matrices(xml.read_text())[:, :, columns]
-    return shares, t, exports
+        measure(program, device.sample, ["--incident", "klems-full", *device.options, "--wavelengths", NM, "--trees", trees,
+                                         "--threads", threads, "--seed", seed], result)
+        with Timed() as export:
+            subprocess.run([str(c) for c in (program, "export", result, "--to", "klems-full", "--wavelength", NM, "-o", xml,
+                                             "--quiet")], check=True)
+    return matrices(xml.read_text()), t, export.wall
 
 
 def matrices(xml):

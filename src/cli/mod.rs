@@ -7,6 +7,7 @@ mod explain;
 mod export;
 mod film;
 mod generate;
+mod incident;
 mod keep;
 mod materials;
 mod measure;

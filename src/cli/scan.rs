@@ -8,6 +8,7 @@ use gonio_embree::experiment::{Settings, measure};
 use gonio_embree::output::{overlay, scan as output};
 use gonio_embree::plot;
 
+use super::incident::Incident;
 use super::numbers::Values;
 use super::progress::Line;
 use super::setup::{Scene, Setup};
@@ -159,7 +160,14 @@ impl Options {
         let wanted = |name: &str, given: &Option<Values>, there: &[f64]| {
             chosen(given, there).map_err(|e| named(&format!("--{name}: {e}")))
         };
-        let theta_wanted = wanted("incident", &self.setup.incident, &theta)?;
+        let angles = match &self.setup.incident {
+            Some(Incident::Angles(angles)) => Some(angles.clone()),
+            Some(Incident::Klems(name, _)) => {
+                return Err(named(&format!("--incident: {name} is no angle; leave it out for all that were measured")));
+            }
+            None => None,
+        };
+        let theta_wanted = wanted("incident", &angles, &theta)?;
         let phi_wanted = wanted("azimuth", &self.setup.azimuth, &phi)?;
         let wavelengths = wanted("wavelength", &self.setup.wavelengths, &bsdf.wavelength_nm)?;
         let incidences = (0..theta.len()).filter(|&i| theta_wanted.contains(&theta[i]) && phi_wanted.contains(&phi[i]));

@@ -14,6 +14,7 @@ use gonio_embree::sample::description::Sides;
 use gonio_embree::sample::{Description, Replacement, Sample, obj};
 use gonio_embree::units::{self, LengthUnit};
 
+use super::incident::Incident;
 use super::medium::NamedMedium;
 use super::numbers::{Count, Values};
 use super::{Failure, tell};
@@ -50,9 +51,10 @@ pub struct Setup {
     #[arg(long, value_name = "NAME=INDEX|FILE", conflicts_with = "sample", help_heading = "Sample")]
     medium: Vec<NamedMedium>,
 
-    /// Polar angles of incidence in degrees: start:stop:step (both ends), a list 0,20,75, or one number [default: 0]
+    /// Polar angles of incidence in degrees: start:stop:step (both ends), a list 0,20,75, or one number; or the directions of
+    /// a matrix, with their azimuths: klems-full (145), klems-half (77) or klems-quarter (41) [default: 0]
     #[arg(long, allow_hyphen_values = true, value_name = "ANGLES", help_heading = "Light")]
-    pub incident: Option<Values>,
+    pub incident: Option<Incident>,
     /// Azimuths of incidence in degrees, same forms [default: 0]
     #[arg(long, allow_hyphen_values = true, value_name = "ANGLES", help_heading = "Light")]
     pub azimuth: Option<Values>,
@@ -174,17 +176,31 @@ impl Setup {
 
     /// What shines on the sample.
     pub fn light(&self) -> Result<Light, Failure> {
-        let mut incidences = Vec::new();
-        for phi_deg in values(&self.azimuth, AZIMUTH)?.all {
-            for &theta_deg in &values(&self.incident, INCIDENT)?.all {
-                let incidence = Incidence { theta_deg, phi_deg };
-                incidence.check().map_err(|e| Failure::Input(format!("--incident: {e}")))?;
-                incidences.push(incidence);
-            }
+        let incidences = self.incidences()?;
+        for incidence in &incidences {
+            incidence.check().map_err(|e| Failure::Input(format!("--incident: {e}")))?;
         }
         let wavelengths = Wavelengths::from_nm(values(&self.wavelengths, WAVELENGTHS)?.all)
             .map_err(|e| Failure::Input(format!("--wavelengths: {e}")))?;
         Ok(Light { wavelengths, incidences, polarization: self.polarization, source: self.source()? })
+    }
+
+    fn incidences(&self) -> Result<Vec<Incidence>, Failure> {
+        let of = |[theta_deg, phi_deg]: [f64; 2]| Incidence { theta_deg, phi_deg };
+        match (&self.incident, &self.azimuth) {
+            (Some(Incident::Klems(name, _)), Some(_)) => Err(Failure::Input(format!(
+                "--azimuth: the directions of {name} have their own azimuths; leave it out"
+            ))),
+            (Some(Incident::Klems(_, basis)), None) => Ok(basis.sources().map(of).collect()),
+            (angles, azimuths) => {
+                let thetas = match angles {
+                    Some(Incident::Angles(thetas)) => thetas.clone(),
+                    _ => values(&None, INCIDENT)?,
+                };
+                let phis = values(azimuths, AZIMUTH)?.all;
+                Ok(phis.iter().flat_map(|&phi| thetas.all.iter().map(move |&theta| of([theta, phi]))).collect())
+            }
+        }
     }
 
     fn source(&self) -> Result<SourceMode, Failure> {
@@ -302,13 +318,12 @@ impl Setup {
                 self.set.iter().for_each(|s| add("set", s));
             }
         }
-        for (name, given, default) in [
-            ("incident", &self.incident, INCIDENT),
-            ("azimuth", &self.azimuth, AZIMUTH),
-            ("wavelengths", &self.wavelengths, WAVELENGTHS),
-        ] {
-            add(name, &given.as_ref().map_or(default.into(), Values::to_string));
+        let text = |given: &Option<Values>, default: &str| given.as_ref().map_or(default.into(), Values::to_string);
+        add("incident", &self.incident.as_ref().map_or(INCIDENT.into(), Incident::to_string));
+        if !matches!(self.incident, Some(Incident::Klems(..))) {
+            add("azimuth", &text(&self.azimuth, AZIMUTH));
         }
+        add("wavelengths", &text(&self.wavelengths, WAVELENGTHS));
         add("polarization", &self.polarization);
         match &self.coherence_length {
             Some(length) => add("coherence-length", length),

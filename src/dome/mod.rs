@@ -9,6 +9,7 @@ mod apertures;
 mod detector;
 mod frame;
 mod geodesic;
+pub mod klems;
 mod leaves;
 mod patch;
 mod precision;

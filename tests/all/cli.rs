@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Output;
 
 use crate::desk::{Desk, code, errors};
+use gonio_embree::dome::klems::QUARTER;
 use gonio_embree::output::netcdf;
 use gonio_embree::sample::Description;
 use gonio_embree::sample::description::Sides;
@@ -423,4 +424,42 @@ fn a_missing_backend_is_said_before_any_work() {
     let output = desk.run(&["--mesh", FEATHER, "--backend", "embree"]);
     assert_eq!(code(&output), Some(3));
     assert!(errors(&output).contains("apt-get install libembree-dev libclang-dev"), "{}", errors(&output));
+}
+
+/// Of a matrix's own directions no column is a blend of others: its flux is that of the ledger, whatever the azimuth.
+#[test]
+fn the_directions_of_a_matrix_are_measured_in_one_run() {
+    let desk = Desk::new("klems");
+    // Not as wide as deep, so that azimuths differ.
+    desk.write(
+        "beads.toml",
+        "[sample]\npatch = { size = [3, 5] }\n[media]\nglass = 1.5\n[[object]]\nshape = \"sphere\"\nmedium = \"glass\"\n\
+         center = [0, 0, 0]\nradius = 1.2\n",
+    );
+    let line = ["--sample", "beads.toml", "--incident", "klems-quarter", "--wavelengths", "550", "--trees", "2000"];
+    desk.printed(&[&line[..], &["-o", "beads.nc"]].concat());
+    desk.printed(&["export", "beads.nc", "--to", "klems-quarter", "--wavelength", "550", "-o", "beads.xml"]);
+    let measured = netcdf::from_bytes(&desk.read("beads.nc")).unwrap();
+    let xml = String::from_utf8(desk.read("beads.xml")).unwrap();
+    let cells = QUARTER.cells();
+    assert_eq!(measured.bsdf.incidences.len(), cells.len());
+    for (kind, reflected) in [("Reflection Back", true), ("Transmission Back", false)] {
+        let block = xml.split("<WavelengthDataDirection>").find(|b| b.starts_with(kind)).unwrap();
+        let data = block.split("<ScatteringData>").nth(1).unwrap().split('<').next().unwrap();
+        let values: Vec<f64> = data.split([',', '\n', ' ']).filter_map(|x| x.parse().ok()).collect();
+        assert_eq!(values.len(), cells.len() * cells.len());
+        for (column, s) in measured.bsdf.incidences.iter().enumerate() {
+            let rows = cells.iter().enumerate();
+            let flux = rows.map(|(row, c)| values[row * cells.len() + column] * c.patch.projected_solid_angle());
+            let share = if reflected { &s.ledger.reflected } else { &s.ledger.transmitted };
+            let flux: f64 = flux.sum();
+            assert!((flux - share[0].value).abs() < 1e-5, "{kind} {:?}: {flux} {:?}", s.incidence, share[0]);
+        }
+    }
+    let refused = desk.complaint(&["--sample", "beads.toml", "--incident", "klems-full", "--azimuth", "10"]);
+    assert!(refused.contains("klems-full have their own azimuths"), "{refused}");
+    let refused = desk.complaint(&["scan", "beads.nc", "--incident", "klems-quarter"]);
+    assert!(refused.contains("is no angle"), "{refused}");
+    let refused = desk.complaint(&["--sample", "beads.toml", "--incident", "klems-all"]);
+    assert!(refused.contains("klems-half"), "{refused}");
 }

@@ -16,6 +16,7 @@ use std::fmt;
 
 use crate::bsdf::{Bsdf, Lookup};
 use crate::colour::{self, Illuminant};
+use crate::dome::klems;
 
 pub use rgl::{Exits, Grid, Warped, tensor};
 
@@ -154,9 +155,9 @@ pub fn export(format: Format, source: &Source<'_>) -> Export {
         Format::Rgl => rgl::spectral(source),
         Format::RglRgb => rgl::rgb(source),
         Format::Pbsdf => mueller::write(source),
-        Format::KlemsFull => radiance::klems(source, &radiance::FULL),
-        Format::KlemsHalf => radiance::klems(source, &radiance::HALF),
-        Format::KlemsQuarter => radiance::klems(source, &radiance::QUARTER),
+        Format::KlemsFull => radiance::klems(source, &klems::FULL),
+        Format::KlemsHalf => radiance::klems(source, &klems::HALF),
+        Format::KlemsQuarter => radiance::klems(source, &klems::QUARTER),
         Format::TensorTree3 => radiance::tree(source, 3),
         Format::TensorTree4 => radiance::tree(source, 4),
         Format::Zemax => zemax::write(source),

@@ -8,69 +8,22 @@ use rayon::prelude::*;
 
 use super::{Block, Export, Exported, Grey, Source, Way, deltas, document, in_sample, measured, notes, refuse};
 use crate::bsdf::Lookup;
+use crate::dome::klems::{Basis, Cell, Ring};
 use crate::dome::{Facet, Patch};
 use crate::output::export::points::{direction, incidence_from};
 
-/// Rings of a hemisphere: lower bound of the polar angle in degrees, and number of patches; the last ends at 90°.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Basis {
-    name: &'static str,
-    rings: &'static [(f64, u32)],
-}
-
-/// 145 patches.
-pub const FULL: Basis = Basis {
-    name: "LBNL/Klems Full",
-    rings: &[(0.0, 1), (5.0, 8), (15.0, 16), (25.0, 20), (35.0, 24), (45.0, 24), (55.0, 24), (65.0, 16), (75.0, 12)],
-};
-/// 77 patches.
-pub const HALF: Basis = Basis {
-    name: "LBNL/Klems Half",
-    rings: &[(0.0, 1), (6.5, 8), (19.5, 12), (32.5, 16), (45.5, 20), (58.5, 12), (71.5, 8)],
-};
-/// 41 patches.
-pub const QUARTER: Basis =
-    Basis { name: "LBNL/Klems Quarter", rings: &[(0.0, 1), (9.0, 8), (27.0, 12), (45.0, 12), (63.0, 8)] };
-
-/// A patch, and the direction that stands for it.
-struct Cell {
-    patch: Patch,
-    theta: f64,
-    phi: f64,
-}
-
-impl Basis {
-    fn upper(&self, ring: usize) -> f64 {
-        self.rings.get(ring + 1).map_or(90.0, |r| r.0)
+/// The basis, as the files tell of it.
+fn xml(basis: &Basis) -> String {
+    let mut out = format!("<AngleBasis><AngleBasisName>{}</AngleBasisName>", basis.name);
+    for Ring { lower, upper, count } in basis.rings() {
+        let theta = if count > 1 { 0.5 * (lower + upper) } else { 0.0 };
+        let _ = write!(
+            out,
+            "\n<AngleBasisBlock><Theta>{theta}</Theta><nPhis>{count}</nPhis><ThetaBounds><LowerTheta>{lower}</LowerTheta>\
+             <UpperTheta>{upper}</UpperTheta></ThetaBounds></AngleBasisBlock>"
+        );
     }
-
-    fn cells(&self) -> Vec<Cell> {
-        let ring = |(i, &(lower, count)): (usize, &(f64, u32))| {
-            let theta = [lower.to_radians(), self.upper(i).to_radians()];
-            let step = 2.0 * PI / f64::from(count);
-            (0..count).map(move |k| {
-                let phi = f64::from(k) * step;
-                let range = (count > 1).then_some([phi - 0.5 * step, phi + 0.5 * step]);
-                let middle = if count > 1 { 0.5 * (theta[0] + theta[1]) } else { 0.0 };
-                Cell { patch: Patch { theta, phi: range }, theta: middle, phi }
-            })
-        };
-        self.rings.iter().enumerate().flat_map(ring).collect()
-    }
-
-    fn xml(&self) -> String {
-        let mut out = format!("<AngleBasis><AngleBasisName>{}</AngleBasisName>", self.name);
-        for (i, &(lower, count)) in self.rings.iter().enumerate() {
-            let upper = self.upper(i);
-            let theta = if count > 1 { 0.5 * (lower + upper) } else { 0.0 };
-            let _ = write!(
-                out,
-                "\n<AngleBasisBlock><Theta>{theta}</Theta><nPhis>{count}</nPhis><ThetaBounds><LowerTheta>{lower}</LowerTheta>\
-                 <UpperTheta>{upper}</UpperTheta></ThetaBounds></AngleBasisBlock>"
-            );
-        }
-        out + "</AngleBasis>"
-    }
+    out + "</AngleBasis>"
 }
 
 /// The matrices of all ways through the sample that were measured. The flux of each facet goes to the patches it lies in,
@@ -92,7 +45,7 @@ pub fn klems(source: &Source<'_>, basis: &Basis) -> Export {
             blocks.push(Block { wavelength, way, data: rows(&matrix, cells.len(), channel) });
         }
     }
-    Ok(Exported { bytes: document(source, "Columns", basis.name, &basis.xml(), &blocks), notes: notes(source) })
+    Ok(Exported { bytes: document(source, "Columns", basis.name, &xml(basis), &blocks), notes: notes(source) })
 }
 
 /// A row per patch of the exit.
@@ -200,13 +153,12 @@ fn holding(cells: &[Cell], dir: DVec3) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dome::klems::{FULL, HALF, QUARTER};
 
     #[test]
-    fn bases_fill_the_hemisphere() {
-        for (basis, count) in [(FULL, 145), (HALF, 77), (QUARTER, 41)] {
+    fn patches_hold_their_own_directions() {
+        for basis in [FULL, HALF, QUARTER] {
             let cells = basis.cells();
-            let whole: f64 = cells.iter().map(|c| c.patch.projected_solid_angle()).sum();
-            assert!(cells.len() == count && (whole - PI).abs() < 1e-12, "{basis:?}");
             for (i, c) in cells.iter().enumerate() {
                 assert_eq!(holding(&cells, direction(c.theta, c.phi)), i, "{basis:?}");
             }

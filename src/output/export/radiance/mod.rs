@@ -14,7 +14,7 @@ use super::{Channels, Export, Exported, Source, refuse};
 use crate::bsdf::{Blend, Lookup};
 use crate::text::escaped;
 
-pub use klems::{FULL, HALF, QUARTER, klems};
+pub use klems::klems;
 pub use tree::tree;
 
 /// A way through the sample.
