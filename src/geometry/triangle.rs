@@ -1,6 +1,6 @@
 //! Watertight triangles.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3Swizzles};
 
 use super::Ray;
 
@@ -28,13 +28,13 @@ enum Axis {
 }
 
 impl Axis {
-    /// The coordinates of `v`, this one last. A branch that is nearly always foretold, where an index would go through memory.
+    /// The coordinates of `v`, this one last.
     #[inline(always)]
-    fn last(self, v: DVec3) -> [f64; 3] {
+    fn last(self, v: DVec3) -> DVec3 {
         match self {
-            Self::X => [v.y, v.z, v.x],
-            Self::Y => [v.z, v.x, v.y],
-            Self::Z => [v.x, v.y, v.z],
+            Self::X => v.yzx(),
+            Self::Y => v.zxy(),
+            Self::Z => v,
         }
     }
 }
@@ -54,17 +54,9 @@ impl Shear {
         } else {
             Axis::Z
         };
-        let [x, y, z] = axis.last(ray.dir);
+        let DVec3 { x, y, z } = axis.last(ray.dir);
         let inverse = 1.0 / z;
         Self { axis, by: DVec3::new(x * inverse, y * inverse, inverse) }
-    }
-
-    /// Position across and distance along the ray of a corner.
-    #[inline]
-    fn project(&self, ray: &Ray, corner: DVec3) -> (DVec2, f64) {
-        let p = corner - ray.origin;
-        let [x, y, z] = self.axis.last(p);
-        (DVec2::new(x - self.by.x * z, y - self.by.y * z), z * self.by.z)
     }
 }
 
@@ -83,26 +75,66 @@ pub(super) struct Met {
 /// The signs of the edge functions are exact for the projected corners, and an exact zero is decided as if the
 /// line were moved by (ε, ε²): so the lines through a shared edge or corner of a closed mesh meet as many
 /// triangles on the way in as on the way out, always.
-#[inline]
+#[inline(always)]
 pub(super) fn meet(shear: &Shear, ray: &Ray, corners: [DVec3; 3]) -> Option<Met> {
-    let [(a, ta), (b, tb), (c, tc)] = corners.map(|p| shear.project(ray, p));
-    let turn = orient(a, b);
-    if orient(b, c) != turn || orient(c, a) != turn {
+    let [a, b, c] = [corners[0] - ray.origin, corners[1] - ray.origin, corners[2] - ray.origin];
+    // One branch that is mostly foretold, not one for each corner.
+    match shear.axis {
+        Axis::X => meet_along(shear.by, [a.yzx(), b.yzx(), c.yzx()]),
+        Axis::Y => meet_along(shear.by, [a.zxy(), b.zxy(), c.zxy()]),
+        Axis::Z => meet_along(shear.by, [a, b, c]),
+    }
+}
+
+/// The same for corners seen from the origin of the ray, with the axis along which it goes last.
+#[inline(always)]
+fn meet_along(by: DVec3, corners: [DVec3; 3]) -> Option<Met> {
+    let [a, b, c] = [across(by, corners[0]), across(by, corners[1]), across(by, corners[2])];
+    let [ab, bc, ca] = [Edge::new(a, b), Edge::new(b, c), Edge::new(c, a)];
+    let turn = ab.turns_left();
+    // Nobody can foretell which of the edges it passes on the other side.
+    if (turn ^ bc.turns_left()) | (turn ^ ca.turns_left()) {
         return None;
     }
-    let weights = DVec3::new(b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)).abs();
+    let [ta, tb, tc] = [corners[0].z * by.z, corners[1].z * by.z, corners[2].z * by.z];
+    let weights = DVec3::new(bc.area(), ca.area(), ab.area()).abs();
     let t = weights.dot(DVec3::new(ta, tb, tc)) / weights.element_sum();
     // The projected axes keep their handedness, so who looks along +z sees every turn reversed.
-    let enters = turn != (shear.by.z > 0.0);
+    let enters = turn != (by.z > 0.0);
     Some(Met { range: (ta.min(tb).min(tc), ta.max(tb).max(tc)), t, enters })
 }
 
-/// Whether the origin, moved by (ε, ε²), lies to the left of p → q. Exact.
-#[inline]
-fn orient(p: DVec2, q: DVec2) -> bool {
-    let (m, n) = (p.x * q.y, p.y * q.x);
-    // Rounding is monotonic: unequal products have the order of the exact ones.
-    if m != n { m > n } else { orient_equal_products(p, q) }
+/// The place of a corner in the plane across the ray.
+#[inline(always)]
+fn across(by: DVec3, p: DVec3) -> DVec2 {
+    DVec2::new(p.x - by.x * p.z, p.y - by.y * p.z)
+}
+
+/// A projected edge, with the two products of its edge function.
+struct Edge {
+    ends: [DVec2; 2],
+    products: [f64; 2],
+}
+
+impl Edge {
+    #[inline(always)]
+    fn new(p: DVec2, q: DVec2) -> Self {
+        Self { ends: [p, q], products: [p.x * q.y, p.y * q.x] }
+    }
+
+    /// Twice the area that it spans with the origin.
+    #[inline(always)]
+    fn area(&self) -> f64 {
+        self.products[0] - self.products[1]
+    }
+
+    /// Whether the origin, moved by (ε, ε²), lies to its left. Exact.
+    #[inline(always)]
+    fn turns_left(&self) -> bool {
+        let [m, n] = self.products;
+        // Rounding is monotonic: unequal products have the order of the exact ones.
+        if m != n { m > n } else { orient_equal_products(self.ends[0], self.ends[1]) }
+    }
 }
 
 #[cold]
@@ -127,6 +159,7 @@ mod tests {
         let p = DVec2::new(1.0 + f64::EPSILON, 1.0);
         let q = DVec2::new(1.0, 1.0 - f64::EPSILON);
         // Exact determinant: (1+e)(1-e) - 1 = -e² < 0, while both products round to 1.
+        let orient = |p, q| Edge::new(p, q).turns_left();
         assert!(!orient(p, q));
         assert!(orient(q, p));
         for (p, q) in [((1.0, 2.0), (-2.0, -4.0)), ((0.0, 0.0), (3.0, 1.0)), ((1.0, 0.0), (-1.0, 0.0))] {
