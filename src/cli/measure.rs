@@ -5,7 +5,7 @@ use std::io::IsTerminal as _;
 use clap::Args;
 use gonio_embree::output::{summary, table};
 
-use super::progress::{Line, duration};
+use super::progress::{Line, SETTING_UP, Waiting, duration};
 use super::stop::Stop;
 use super::work::{Done, Order, Work};
 use super::{Failure, answer, tell};
@@ -25,11 +25,16 @@ pub struct Options {
 
 /// Measures, and writes what came out.
 pub fn run(options: &Options) -> Result<(), Failure> {
+    let mut waiting = Some(Waiting::new(SETTING_UP, options.quiet));
     let work = Work::new(&options.work)?;
     let stop = Stop::listen();
     let mut line = Line::new(options.quiet);
     let incidences = work.scene.light.incidences.len();
-    let done = work.run(options.work.every(), &stop, &mut |p| line.show(p, incidences));
+    let done = work.run(options.work.every(), &stop, &mut |p| {
+        waiting = None;
+        line.show(p, incidences);
+    });
+    drop(waiting);
     line.clear();
     let done = done?;
     let measured = &done.measured;

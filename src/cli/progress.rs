@@ -1,6 +1,8 @@
 //! The line that says how far the work is.
 
 use std::io::{self, IsTerminal as _, Write as _};
+use std::sync::mpsc;
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use gonio_embree::experiment::Progress;
@@ -47,6 +49,42 @@ impl Line {
     pub fn clear(&self) {
         if self.terminal && !self.quiet {
             let _ = write!(io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+/// What goes before all tracing.
+pub const SETTING_UP: &str = "building the sample and planning";
+
+/// Says what is being done, and for how long, while nothing tells how far it is; nothing if it is done in a moment.
+pub struct Waiting(Option<(mpsc::Sender<()>, JoinHandle<()>)>);
+
+impl Waiting {
+    /// Until this is dropped. Never says a word if `quiet`.
+    pub fn new(what: &'static str, quiet: bool) -> Self {
+        if quiet {
+            return Self(None);
+        }
+        let (done, waiting) = mpsc::channel();
+        let mut line = Line::new(false);
+        let pause = Duration::from_secs(if line.terminal { 1 } else { 10 });
+        let speak = move || {
+            let start = Instant::now();
+            while waiting.recv_timeout(pause) == Err(mpsc::RecvTimeoutError::Timeout) {
+                line.put(|| format!("{what}, {}", duration(start.elapsed().as_secs_f64().round())));
+            }
+            line.clear();
+        };
+        // Who cannot have another thread waits in silence.
+        Self(std::thread::Builder::new().spawn(speak).ok().map(|thread| (done, thread)))
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        if let Some((done, thread)) = self.0.take() {
+            drop(done);
+            let _ = thread.join();
         }
     }
 }

@@ -10,7 +10,7 @@ use gonio_embree::plot;
 
 use super::incident::Incident;
 use super::numbers::Values;
-use super::progress::Line;
+use super::progress::{Line, SETTING_UP, Waiting};
 use super::setup::{Scene, Setup};
 use super::work::reached;
 use super::{Failure, answer, draw, stored, tell};
@@ -134,10 +134,15 @@ fn overlaid(scans: &[Scan], points: Vec<Point>) -> Result<Overlay, Failure> {
 impl Options {
     /// The scans, and whether they are as good as they should be.
     fn measured(&self, arm: Arm) -> Result<(Vec<Scan>, Result<(), Failure>), Failure> {
+        let mut waiting = Some(Waiting::new(SETTING_UP, self.quiet));
         let Scene { light, sample, .. } = self.setup.scene()?;
         let settings = Settings { arm: Some(arm), ..self.setup.settings()? };
         let mut line = Line::new(self.quiet);
-        let outcome = measure(&sample, &light, &settings, |p| line.show(&p, light.incidences.len()));
+        let outcome = measure(&sample, &light, &settings, |p| {
+            waiting = None;
+            line.show(&p, light.incidences.len());
+        });
+        drop(waiting);
         line.clear();
         let outcome = outcome.map_err(|e| Failure::Cannot(e.to_string()))?;
         let lost = outcome.bsdf.largest_loss();

@@ -6,8 +6,8 @@ use super::solid::{Base, Solid};
 use super::tiling::Cell;
 use crate::geometry::{Aabb, COINCIDENT, Shape};
 
-/// Largest number of primitives, repetitions included: some gigabytes.
-pub(super) const MOST_PRIMITIVES: usize = 5_000_000;
+/// Largest number of primitives, repetitions included: some ten gigabytes.
+pub(super) const MOST_PRIMITIVES: usize = 20_000_000;
 
 /// Whether a number of primitives is more than can be held, and what to do then.
 ///

@@ -50,14 +50,22 @@ pub(super) struct Balls<'a> {
     slab: &'a Slab,
     grids: Vec<Grid>,
     placed: Vec<DVec3>,
+    /// For each ball, the one that came into its cell before it, or [`NOBODY`].
+    before: Vec<u32>,
+    /// The ways from a cell to those around it, the shortest first: most places are taken, and it is the ball in the same cell
+    /// or next to it that takes them.
+    steps: Vec<[isize; 3]>,
 }
+
+const NOBODY: u32 = u32::MAX;
 
 /// Cells of at least one diameter of the largest ball in it: a smaller one can only touch those in the 27 cells around.
 struct Grid {
     /// Number of the first ball in it.
     first: usize,
     cells: [usize; 3],
-    members: Vec<Vec<u32>>,
+    /// The ball that came last into each cell, or [`NOBODY`].
+    latest: Vec<u32>,
 }
 
 impl<'a> Balls<'a> {
@@ -70,18 +78,21 @@ impl<'a> Balls<'a> {
             grids.push(Grid::new(slab, largest, first, count));
             first += count.max(1);
         }
-        Self { slab, grids, placed: Vec::with_capacity(radii.len()) }
+        let step = |i: isize| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1];
+        let mut steps: Vec<[isize; 3]> = (0..27).map(step).collect();
+        steps.sort_by_key(|step| step.iter().map(|d| d * d).sum::<isize>());
+        Self { slab, grids, placed: Vec::with_capacity(radii.len()), before: Vec::with_capacity(radii.len()), steps }
     }
 
     /// Places the next ball.
     pub fn push(&mut self, p: DVec3) {
         let number = self.placed.len();
         self.placed.push(p);
-        let slab = *self.slab;
-        if let Some(grid) = self.grids.iter_mut().rfind(|g| g.first <= number) {
-            let at = grid.index(grid.cell(p, &slab));
-            grid.members[at].push(number as u32);
-        }
+        let before = self.grids.iter_mut().rfind(|g| g.first <= number).map_or(NOBODY, |grid| {
+            let at = grid.index(grid.cell(p, self.slab));
+            std::mem::replace(&mut grid.latest[at], number as u32)
+        });
+        self.before.push(before);
     }
 
     /// Places so far.
@@ -94,13 +105,13 @@ impl<'a> Balls<'a> {
         let filled = self.grids.iter().take_while(|g| g.first < self.placed.len().max(1));
         for grid in filled {
             let cell = grid.cell(p, self.slab);
-            for z in grid.around(2, cell[2], false) {
-                for y in grid.around(1, cell[1], self.slab.periodic) {
-                    for x in grid.around(0, cell[0], self.slab.periodic) {
-                        if grid.members[grid.index([x, y, z])].iter().any(|&n| is(n as usize)) {
-                            return true;
-                        }
+            for number in self.steps.iter().filter_map(|&step| grid.beside(cell, step, self.slab.periodic)) {
+                let mut ball = grid.latest[number];
+                while ball != NOBODY {
+                    if is(ball as usize) {
+                        return true;
                     }
+                    ball = self.before[ball as usize];
                 }
             }
         }
@@ -118,7 +129,7 @@ impl Grid {
             fitting[longest] = (0.5 * fitting[longest]).floor();
         }
         let cells = fitting.to_array().map(|n| n as usize);
-        Self { first, cells, members: vec![Vec::new(); cells.iter().product()] }
+        Self { first, cells, latest: vec![NOBODY; cells.iter().product()] }
     }
 
     fn cell(&self, p: DVec3, slab: &Slab) -> [usize; 3] {
@@ -132,14 +143,19 @@ impl Grid {
         (z * self.cells[1] + y) * self.cells[0] + x
     }
 
-    /// The cells next to `c` along axis `i`; in a narrow periodic slab some twice.
-    fn around(&self, i: usize, c: usize, wraps: bool) -> impl Iterator<Item = usize> + use<> {
-        let n = self.cells[i];
-        (0..3).filter_map(move |k| match (c + k).checked_sub(1) {
-            Some(x) if x < n => Some(x),
-            Some(_) => wraps.then_some(0),
-            None => wraps.then_some(n - 1),
-        })
+    /// The number of the cell one step away, if there is one; in a narrow periodic slab several steps lead to the same.
+    fn beside(&self, cell: [usize; 3], step: [isize; 3], periodic: bool) -> Option<usize> {
+        let mut to = [0; 3];
+        for axis in 0..3 {
+            let n = self.cells[axis];
+            to[axis] = match cell[axis].checked_add_signed(step[axis]) {
+                Some(x) if x < n => x,
+                _ if axis == 2 || !periodic => return None,
+                Some(_) => 0,
+                None => n - 1,
+            };
+        }
+        Some(self.index(to))
     }
 }
 

@@ -32,7 +32,7 @@ pub struct Packing {
 }
 
 /// Largest number of spheres in one packing.
-const MOST_SPHERES: usize = 2_000_000;
+const MOST_SPHERES: usize = 20_000_000;
 
 /// Beyond this share of the volume random insertion never gets: trying would only take time.
 const DENSEST: f64 = 0.4;
