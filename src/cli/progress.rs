@@ -67,11 +67,13 @@ impl Waiting {
         }
         let (done, waiting) = mpsc::channel();
         let mut line = Line::new(false);
-        let pause = Duration::from_secs(if line.terminal { 1 } else { 10 });
         let speak = move || {
             let start = Instant::now();
+            // A file shall not be filled with that.
+            let mut pause = Duration::from_secs(if line.terminal { 1 } else { 10 });
             while waiting.recv_timeout(pause) == Err(mpsc::RecvTimeoutError::Timeout) {
                 line.put(|| format!("{what}, {}", duration(start.elapsed().as_secs_f64().round())));
+                pause = if line.terminal { pause } else { 2 * pause };
             }
             line.clear();
         };
