@@ -1,6 +1,7 @@
 //! Which of many boxes overlap: uniform grids.
 
 use glam::{DVec3, I64Vec3};
+use rayon::prelude::*;
 
 use super::Aabb;
 
@@ -38,7 +39,7 @@ impl<'a> Pairs<'a> {
         let finest = edges.get(edges.len() / 2).copied().unwrap_or(1.0);
         let count = if boxes.len() > FEW_BOXES { Self::MOST_GRIDS } else { 1 };
         let size = |level: usize| DVec3::splat(finest * 4.0_f64.powi(level as i32));
-        Self { boxes, grids: (0..count).map(|level| Grid::new(boxes, size(level))).collect() }
+        Self { boxes, grids: (0..count).into_par_iter().map(|level| Grid::new(boxes, size(level))).collect() }
     }
 
     /// Calls `visit` for every box that overlaps `b` (touching counts), possibly more than once.

@@ -4,7 +4,7 @@
 //! AVX2, NEON, or none). No operation is fused with another, and no lane looks at its neighbours: every processor
 //! gives the same bits, and a wavelength the same in any company.
 
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Mul, Neg, Not, Sub};
 
 use pulp::Simd;
 
@@ -237,12 +237,6 @@ impl<S: Simd> Mask<S> {
         [sum % (1 << WIDEST), sum >> WIDEST]
     }
 
-    /// The opposite.
-    #[inline(always)]
-    pub fn not(self) -> Self {
-        Self { s: self.s, m: self.s.not_m64s(self.m) }
-    }
-
     /// Takes from the first where true.
     #[inline(always)]
     pub fn choose(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
@@ -283,6 +277,14 @@ impl<S: Simd> Mask<S> {
     #[inline(always)]
     pub fn all(self) -> bool {
         self.s.first_true_m64s(self.s.not_m64s(self.m)) >= S::F64_LANES
+    }
+}
+
+impl<S: Simd> Not for Mask<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self { s: self.s, m: self.s.not_m64s(self.m) }
     }
 }
 

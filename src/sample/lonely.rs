@@ -1,6 +1,8 @@
 //! Solids that are one convex primitive with nothing in it: a ray inside leaves through the other root, which
 //! needs no search.
 
+use rayon::prelude::*;
+
 use super::solid::Solid;
 use crate::geometry::{Aabb, COINCIDENT, Pairs, PrimId, Primitives, Shape};
 
@@ -16,13 +18,16 @@ pub(super) fn mark(primitives: &Primitives, solids: &mut [Solid]) {
     }
     let boxes: Vec<Aabb> = ids.iter().map(|&p| primitives.bounds(p)).collect();
     let pairs = Pairs::new(&boxes);
-    for &p in ids.iter().filter(|&&p| convex(p)) {
-        let owner = primitives.owner(p) as usize;
-        if solids[owner].lonely {
-            let mut alone = true;
+    let alone = |&p: &PrimId| {
+        let mut alone = convex(p);
+        if alone {
             pairs.overlapping(&boxes[p.0 as usize], |q| alone &= q == p.0 as usize || spares(primitives, p, ids[q]));
-            solids[owner].lonely = alone;
         }
+        alone
+    };
+    let alone: Vec<bool> = ids.par_iter().map(alone).collect();
+    for (&p, alone) in ids.iter().zip(alone) {
+        solids[primitives.owner(p) as usize].lonely &= alone;
     }
 }
 

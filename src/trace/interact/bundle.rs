@@ -114,7 +114,7 @@ impl<F: Field> WithSimd for Decide<'_, F> {
             let gain = kept.over(reflects.choose(reflected, transmitted));
             both.choose(one, gain).store(&mut shares.gains, block);
             let lives = kept.gt(zero);
-            let sides = lives.and(both.or(reflects)).bits_with(lives.and(both.or(reflects.not())));
+            let sides = lives.and(both.or(reflects)).bits_with(lives.and(both.or(!reflects)));
             let (word, shift) = (block * S::F64_LANES / 64, block * S::F64_LANES % 64);
             shares.chosen[word][0] |= sides[0] << shift;
             shares.chosen[word][1] |= sides[1] << shift;
@@ -175,7 +175,7 @@ mod tests {
             let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
             let mut number = || 2.0 * rng.random::<f64>() - 1.0;
             let angle = 3.0 * number();
-            let rule = Rule { splits: seed % 2 == 0, least: 0.1, lot: number().abs() };
+            let rule = Rule { splits: seed.is_multiple_of(2), least: 0.1, lot: number().abs() };
             let mut case =
                 Self { fields: vec![], beams: vec![], bends: vec![], turn: [angle.cos(), angle.sin()], rule };
             for lane in 0..LANES {
