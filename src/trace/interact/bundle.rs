@@ -2,8 +2,8 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::divide::{Action, REFLECTED, Rule};
-use super::{Beams, Bend};
+use super::divide::{Action, Encounter, REFLECTED, Rule};
+use super::{Beams, Bend, Plane};
 use crate::optics::field::{Field, Shares as _, State, load, store};
 use crate::optics::lanes::{Lanes, padded};
 
@@ -51,22 +51,20 @@ impl Shares {
     pub(super) fn decide<F: Field>(
         &mut self,
         fields: &[f64],
-        action: &Action<'_, F::Passage>,
-        bend: &Bend<'_>,
-        turn: [f64; 2],
+        encounter: &Encounter<'_, F::Passage>,
         rule: &Rule,
         absorbs: bool,
     ) {
-        match bend {
+        match encounter.bend {
             Bend::Never => self.through.fill(0.0),
             Bend::Same(_) => self.through.fill(1.0),
             Bend::PerLane(all) => {
-                self.through.iter_mut().zip(*all).for_each(|(to, bend)| *to = f64::from(u8::from(bend.is_some())));
+                self.through.iter_mut().zip(all).for_each(|(to, bend)| *to = f64::from(u8::from(bend.is_some())));
             }
         }
         self.chosen.fill([0; 2]);
         let arch = self.arch;
-        arch.dispatch(Decide::<F> { shares: self, fields, action, turn, rule, absorbs });
+        arch.dispatch(Decide::<F> { shares: self, fields, encounter, rule, absorbs });
     }
 
     /// Writes the fields of the beam on one side.
@@ -78,8 +76,7 @@ impl Shares {
 struct Decide<'a, F: Field> {
     shares: &'a mut Shares,
     fields: &'a [f64],
-    action: &'a Action<'a, F::Passage>,
-    turn: [f64; 2],
+    encounter: &'a Encounter<'a, F::Passage>,
     rule: &'a Rule,
     absorbs: bool,
 }
@@ -89,7 +86,8 @@ impl<F: Field> WithSimd for Decide<'_, F> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        let Self { shares, fields, action, turn: [cos, sin], rule, absorbs } = self;
+        let Self { shares, fields, encounter, rule, absorbs } = self;
+        let Plane { cos, sin, .. } = *encounter.plane;
         let apart = shares.apart;
         let (zero, one) = (Lanes::splat(s, 0.0), Lanes::splat(s, 1.0));
         let splits = Lanes::splat(s, if rule.splits { 1.0 } else { 0.0 });
@@ -97,7 +95,7 @@ impl<F: Field> WithSimd for Decide<'_, F> {
             let field: F::Of<Lanes<S>> = load(s, fields, block, apart);
             let field = field.rotated(cos, sin);
             store(s, &field, &mut shares.fields, block, apart);
-            let beams: Beams<WidePassage<F, S>> = action.at(s, block);
+            let beams: Beams<WidePassage<F, S>> = encounter.action.at(s, block);
             let [along_p, along_s] = field.powers();
             let (r, t) = (beams.reflected.shares(), beams.transmitted.shares());
             let reflected = r.p * along_p + r.s * along_s;
@@ -151,12 +149,14 @@ mod tests {
     use rand::rngs::Xoshiro256PlusPlus;
     use rand::{RngExt, SeedableRng};
 
-    use super::super::divide::TRANSMITTED;
+    use glam::DVec3;
+
+    use super::super::divide::{Absorber, TRANSMITTED};
     use super::*;
     use crate::optics::field::{Jones, Mueller, Power, Stokes, gather, scatter};
     use crate::optics::{C64, Coefficients, Pair};
     use crate::trace::beams::BeamTable;
-    use crate::trace::media::Refraction;
+    use crate::trace::media::{Refraction, Slant};
 
     /// One register and a part of the next one, in more than one word of bits.
     const LANES: usize = 77;
@@ -216,16 +216,19 @@ mod tests {
                 scatter(&self.fields[lane], &mut fields, lane, apart);
                 table.set(lane, &self.beams[lane]);
             }
-            let action = Action::PerLane(&table);
+            let plane =
+                Plane { s: DVec3::X, slant: Slant { cos: 1.0, sin: 0.0 }, cos: self.turn[0], sin: self.turn[1] };
+            let (action, bend) = (Action::PerLane(&table), Bend::PerLane(&self.bends));
+            let encounter = Encounter { plane: &plane, action, bend, absorber: Absorber::None };
             for absorbs in [false, true] {
                 let mut shares = Shares::new::<F>(LANES);
                 if scalar {
                     shares.arch = Arch::Scalar;
                 }
-                shares.decide::<F>(&fields, &action, &Bend::PerLane(&self.bends), self.turn, &self.rule, absorbs);
+                shares.decide::<F>(&fields, &encounter, &self.rule, absorbs);
                 for side in [REFLECTED, TRANSMITTED] {
                     let mut out = fields.clone();
-                    shares.hand_over::<F>(side, &action, &mut out);
+                    shares.hand_over::<F>(side, &encounter.action, &mut out);
                     for lane in 0..LANES {
                         let goes = shares.chosen[lane / 64][side] >> (lane % 64) & 1 == 1;
                         let alone = self.alone(lane, absorbs)[side];

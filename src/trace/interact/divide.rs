@@ -44,6 +44,14 @@ pub(super) enum Absorber<'a> {
     Layers(Absorption<'a>),
 }
 
+/// Light at an interface, or a stack.
+pub(super) struct Encounter<'a, P> {
+    pub plane: &'a Plane,
+    pub action: Action<'a, P>,
+    pub bend: Bend<'a>,
+    pub absorber: Absorber<'a>,
+}
+
 /// How power is divided, for all lanes of a ray alike.
 pub(super) struct Rule {
     /// Whether both beams may be followed.
@@ -65,19 +73,16 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
     #[inline(always)]
     pub(super) fn divide(
         &mut self,
-        scratch: &mut Shares,
-        plane: &Plane,
-        action: &Action<'_, F::Passage>,
-        behind: Option<Behind<'_>>,
-        bend: Bend<'_>,
-        absorber: Absorber<'_>,
+        shares: &mut Shares,
+        encounter: &Encounter<'_, F::Passage>,
+        behind: Option<&Behind<'_>>,
     ) {
         let rule = self.rule();
         let beams = match self.stream.first_lane(self.slot) {
-            (lane, true) => self.divide_lane(lane, &rule, plane, action, bend, absorber),
-            (_, false) => self.divide_bundle(scratch, &rule, plane, action, bend, absorber),
+            (lane, true) => self.divide_lane(lane, &rule, encounter),
+            (_, false) => self.divide_bundle(shares, &rule, encounter),
         };
-        self.send(plane, behind.as_ref(), bend, rule.splits, beams);
+        self.send(encounter.plane, behind, encounter.bend, rule.splits, beams);
     }
 
     fn rule(&self) -> Rule {
@@ -92,16 +97,9 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
 
     /// A ray of one lane.
     #[inline(always)]
-    fn divide_lane(
-        &mut self,
-        lane: u16,
-        rule: &Rule,
-        plane: &Plane,
-        action: &Action<'_, F::Passage>,
-        bend: Bend<'_>,
-        absorber: Absorber<'_>,
-    ) -> BeamSlots {
+    fn divide_lane(&mut self, lane: u16, rule: &Rule, encounter: &Encounter<'_, F::Passage>) -> BeamSlots {
         let slot = self.slot;
+        let Encounter { plane, action, bend, absorber } = encounter;
         let Beams { reflected: r, transmitted: t } = match action {
             Action::Uniform(beams) => *beams,
             Action::PerLane(table) => table.get(usize::from(lane)),
@@ -115,7 +113,7 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         let mut kept = all;
         if E::ABSORBS && !matches!(absorber, Absorber::None) {
             kept = reflected + transmitted;
-            self.absorb(absorber, lane, powers, all - kept);
+            self.absorb(*absorber, lane, powers, all - kept);
         }
         if kept <= 0.0 {
             return [None; 2];
@@ -144,18 +142,11 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
 
     /// A ray of several lanes, some of them at once.
     #[inline(never)]
-    fn divide_bundle(
-        &mut self,
-        shares: &mut Shares,
-        rule: &Rule,
-        plane: &Plane,
-        action: &Action<'_, F::Passage>,
-        bend: Bend<'_>,
-        absorber: Absorber<'_>,
-    ) -> BeamSlots {
+    fn divide_bundle(&mut self, shares: &mut Shares, rule: &Rule, encounter: &Encounter<'_, F::Passage>) -> BeamSlots {
         let slot = self.slot;
+        let Encounter { action, absorber, .. } = encounter;
         let absorbs = E::ABSORBS && !matches!(absorber, Absorber::None);
-        shares.decide::<F>(self.stream.numbers(slot), action, &bend, [plane.cos, plane.sin], rule, absorbs);
+        shares.decide::<F>(self.stream.numbers(slot), encounter, rule, absorbs);
         let faintest = self.kernel.plan.limits.faintest;
         let mut any = [false; 2];
         for word in 0..self.stream.words() {
@@ -165,7 +156,7 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
                 for bit in Bits(carried) {
                     let lane = (64 * word) as u16 + bit;
                     let [p, s, r, t] = shares.powers(lane);
-                    self.absorb(absorber, lane, [p, s], p + s - (r + t));
+                    self.absorb(*absorber, lane, [p, s], p + s - (r + t));
                 }
             }
             for bit in Bits(reflected & transmitted) {

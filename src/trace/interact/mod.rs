@@ -31,7 +31,7 @@ use crate::plan::Edges;
 use crate::sample::{Matter, MediumId};
 
 use bundle::Shares;
-use divide::{Absorber, Action};
+use divide::{Absorber, Action, Encounter};
 
 /// An interface between two different media, met by a ray.
 pub struct Interface<'a> {
@@ -156,9 +156,9 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         self.doubt();
         let a = C64::new(share.sqrt(), 0.0);
         let c = Coefficients { r: Pair { s: -a, p: a }, t: Pair { s: C64::ZERO, p: C64::ZERO } };
-        let plane = self.plane();
-        let action = Action::Uniform(Beams::new(&c));
-        self.divide(shares, &plane, &action, None, Bend::Never, Absorber::One(group));
+        let (action, absorber) = (Action::Uniform(Beams::new(&c)), Absorber::One(group));
+        let encounter = Encounter { plane: &self.plane(), action, bend: Bend::Never, absorber };
+        self.divide(shares, &encounter, None);
     }
 
     fn refract(&mut self, films: &mut Films<F>, scratch: &mut Scratch<F>, last: MediumId) {
@@ -180,11 +180,13 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
                 scratch.bends[usize::from(lane)] = bend;
             }
             let (action, bend) = (Action::PerLane(&scratch.beams), Bend::PerLane(&scratch.bends));
-            return self.divide(&mut scratch.shares, &plane, &action, Some(behind), bend, absorber);
+            let encounter = Encounter { plane: &plane, action, bend, absorber };
+            return self.divide(&mut scratch.shares, &encounter, Some(&behind));
         }
         let (beams, refraction) = media.interface::<F>(first, last, lane, plane.slant);
-        let bend = Bend::same(refraction);
-        self.divide(&mut scratch.shares, &plane, &Action::Uniform(beams), Some(behind), bend, absorber);
+        let (action, bend) = (Action::Uniform(beams), Bend::same(refraction));
+        let encounter = Encounter { plane: &plane, action, bend, absorber };
+        self.divide(&mut scratch.shares, &encounter, Some(&behind));
     }
 
     /// What takes the power that an interface into a medium does not send on.
@@ -230,7 +232,8 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         } else {
             Bend::same(media.refraction(first, stack.last, lane, plane.slant))
         };
-        self.divide(&mut scratch.shares, plane, &Action::PerLane(beams), Some(behind), bend, absorber);
+        let encounter = Encounter { plane, action: Action::PerLane(beams), bend, absorber };
+        self.divide(&mut scratch.shares, &encounter, Some(&behind));
         true
     }
 
