@@ -8,7 +8,7 @@ use crate::optics::field::{Field, Shares as _, State, load, store};
 use crate::optics::lanes::{Lanes, padded};
 
 /// The lanes of a ray at an interface; each list is [padded].
-pub struct Shares {
+pub struct Bundle {
     arch: Arch,
     apart: usize,
     /// Fields in the plane of incidence.
@@ -25,7 +25,7 @@ pub struct Shares {
 
 type WidePassage<F, S> = <<F as Field>::Of<Lanes<S>> as State<Lanes<S>>>::Passage;
 
-impl Shares {
+impl Bundle {
     /// For so many lanes of this kind.
     pub fn new<F: Field>(lanes: usize) -> Self {
         let apart = padded(lanes);
@@ -64,17 +64,17 @@ impl Shares {
         }
         self.chosen.fill([0; 2]);
         let arch = self.arch;
-        arch.dispatch(Decide::<F> { shares: self, fields, encounter, rule, absorbs });
+        arch.dispatch(Decide::<F> { bundle: self, fields, encounter, rule, absorbs });
     }
 
     /// Writes the fields of the beam on one side.
     pub(super) fn hand_over<F: Field>(&self, side: usize, action: &Action<'_, F::Passage>, to: &mut [f64]) {
-        self.arch.dispatch(HandOver::<F> { shares: self, side, action, to });
+        self.arch.dispatch(HandOver::<F> { bundle: self, side, action, to });
     }
 }
 
 struct Decide<'a, F: Field> {
-    shares: &'a mut Shares,
+    bundle: &'a mut Bundle,
     fields: &'a [f64],
     encounter: &'a Encounter<'a, F::Passage>,
     rule: &'a Rule,
@@ -86,42 +86,42 @@ impl<F: Field> WithSimd for Decide<'_, F> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        let Self { shares, fields, encounter, rule, absorbs } = self;
+        let Self { bundle, fields, encounter, rule, absorbs } = self;
         let Plane { cos, sin, .. } = *encounter.plane;
-        let apart = shares.apart;
+        let apart = bundle.apart;
         let (zero, one) = (Lanes::splat(s, 0.0), Lanes::splat(s, 1.0));
         let splits = Lanes::splat(s, if rule.splits { 1.0 } else { 0.0 });
         for block in 0..apart / S::F64_LANES {
             let field: F::Of<Lanes<S>> = load(s, fields, block, apart);
             let field = field.rotated(cos, sin);
-            store(s, &field, &mut shares.fields, block, apart);
+            store(s, &field, &mut bundle.fields, block, apart);
             let beams: Beams<WidePassage<F, S>> = encounter.action.at(s, block);
             let [along_p, along_s] = field.powers();
             let (r, t) = (beams.reflected.shares(), beams.transmitted.shares());
             let reflected = r.p * along_p + r.s * along_s;
-            let transmitted = (t.p * along_p + t.s * along_s) * Lanes::load(s, &shares.through, block);
+            let transmitted = (t.p * along_p + t.s * along_s) * Lanes::load(s, &bundle.through, block);
             let all = along_p + along_s;
             let kept = if absorbs { reflected + transmitted } else { all };
             let both = (reflected.min(transmitted) * splits).gt(kept * rule.least);
             let reflects = transmitted.eq(zero).or(reflected.gt(kept * rule.lot));
-            let [list_p, list_s, list_r, list_t] = &mut shares.powers;
+            let [list_p, list_s, list_r, list_t] = &mut bundle.powers;
             along_p.store(list_p, block);
             along_s.store(list_s, block);
             reflected.store(list_r, block);
             transmitted.store(list_t, block);
             let gain = kept.over(reflects.choose(reflected, transmitted));
-            both.choose(one, gain).store(&mut shares.gains, block);
+            both.choose(one, gain).store(&mut bundle.gains, block);
             let lives = kept.gt(zero);
             let sides = lives.and(both.or(reflects)).bits_with(lives.and(both.or(!reflects)));
             let (word, shift) = (block * S::F64_LANES / 64, block * S::F64_LANES % 64);
-            shares.chosen[word][0] |= sides[0] << shift;
-            shares.chosen[word][1] |= sides[1] << shift;
+            bundle.chosen[word][0] |= sides[0] << shift;
+            bundle.chosen[word][1] |= sides[1] << shift;
         }
     }
 }
 
 struct HandOver<'a, F: Field> {
-    shares: &'a Shares,
+    bundle: &'a Bundle,
     side: usize,
     action: &'a Action<'a, F::Passage>,
     to: &'a mut [f64],
@@ -132,13 +132,13 @@ impl<F: Field> WithSimd for HandOver<'_, F> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        let Self { shares, side, action, to } = self;
-        let apart = shares.apart;
+        let Self { bundle, side, action, to } = self;
+        let apart = bundle.apart;
         for block in 0..apart / S::F64_LANES {
-            let field: F::Of<Lanes<S>> = load(s, &shares.fields, block, apart);
+            let field: F::Of<Lanes<S>> = load(s, &bundle.fields, block, apart);
             let Beams { reflected, transmitted } = action.at::<S, WidePassage<F, S>>(s, block);
             let passage = if side == REFLECTED { reflected } else { transmitted };
-            let field = field.times(&passage).scaled(Lanes::load(s, &shares.gains, block));
+            let field = field.times(&passage).scaled(Lanes::load(s, &bundle.gains, block));
             store(s, &field, to, block, apart);
         }
     }
@@ -221,16 +221,16 @@ mod tests {
             let (action, bend) = (Action::PerLane(&table), Bend::PerLane(&self.bends));
             let encounter = Encounter { plane: &plane, action, bend, absorber: Absorber::None };
             for absorbs in [false, true] {
-                let mut shares = Shares::new::<F>(LANES);
+                let mut bundle = Bundle::new::<F>(LANES);
                 if scalar {
-                    shares.arch = Arch::Scalar;
+                    bundle.arch = Arch::Scalar;
                 }
-                shares.decide::<F>(&fields, &encounter, &self.rule, absorbs);
+                bundle.decide::<F>(&fields, &encounter, &self.rule, absorbs);
                 for side in [REFLECTED, TRANSMITTED] {
                     let mut out = fields.clone();
-                    shares.hand_over::<F>(side, &encounter.action, &mut out);
+                    bundle.hand_over::<F>(side, &encounter.action, &mut out);
                     for lane in 0..LANES {
-                        let goes = shares.chosen[lane / 64][side] >> (lane % 64) & 1 == 1;
+                        let goes = bundle.chosen[lane / 64][side] >> (lane % 64) & 1 == 1;
                         let alone = self.alone(lane, absorbs)[side];
                         assert_eq!(goes, alone.is_some(), "lane {lane}");
                         if let Some(alone) = alone {

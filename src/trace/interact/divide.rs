@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::bundle::Shares;
+use super::bundle::Bundle;
 use super::{
     Absorption, Beams, Behind, Bend, Bits, Effects, Field, Flight, Loss, Pair, Partition, Plane, Recorder, Slot, draw,
 };
@@ -73,14 +73,14 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
     #[inline(always)]
     pub(super) fn divide(
         &mut self,
-        shares: &mut Shares,
+        bundle: &mut Bundle,
         encounter: &Encounter<'_, F::Passage>,
         behind: Option<&Behind<'_>>,
     ) {
         let rule = self.rule();
         let beams = match self.stream.first_lane(self.slot) {
             (lane, true) => self.divide_lane(lane, &rule, encounter),
-            (_, false) => self.divide_bundle(shares, &rule, encounter),
+            (_, false) => self.divide_bundle(bundle, &rule, encounter),
         };
         self.send(encounter.plane, behind, encounter.bend, rule.splits, beams);
     }
@@ -142,26 +142,26 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
 
     /// A ray of several lanes, some of them at once.
     #[inline(never)]
-    fn divide_bundle(&mut self, shares: &mut Shares, rule: &Rule, encounter: &Encounter<'_, F::Passage>) -> BeamSlots {
+    fn divide_bundle(&mut self, bundle: &mut Bundle, rule: &Rule, encounter: &Encounter<'_, F::Passage>) -> BeamSlots {
         let slot = self.slot;
         let Encounter { action, absorber, .. } = encounter;
         let absorbs = E::ABSORBS && !matches!(absorber, Absorber::None);
-        shares.decide::<F>(self.stream.numbers(slot), encounter, rule, absorbs);
+        bundle.decide::<F>(self.stream.numbers(slot), encounter, rule, absorbs);
         let faintest = self.kernel.plan.limits.faintest;
         let mut any = [false; 2];
         for word in 0..self.stream.words() {
             let carried = self.stream.word(slot, word);
-            let [mut reflected, mut transmitted] = shares.chosen[word].map(|bits| bits & carried);
+            let [mut reflected, mut transmitted] = bundle.chosen[word].map(|bits| bits & carried);
             if absorbs {
                 for bit in Bits(carried) {
                     let lane = (64 * word) as u16 + bit;
-                    let [p, s, r, t] = shares.powers(lane);
+                    let [p, s, r, t] = bundle.powers(lane);
                     self.absorb(*absorber, lane, [p, s], p + s - (r + t));
                 }
             }
             for bit in Bits(reflected & transmitted) {
                 let lane = (64 * word) as u16 + bit;
-                let [.., r, t] = shares.powers(lane);
+                let [.., r, t] = bundle.powers(lane);
                 for (mask, power) in [(&mut reflected, r), (&mut transmitted, t)] {
                     if power < faintest {
                         self.recorder.lose(Loss::Depth, lane, power);
@@ -169,7 +169,7 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
                     }
                 }
             }
-            shares.chosen[word] = [reflected, transmitted];
+            bundle.chosen[word] = [reflected, transmitted];
             any = [any[0] || reflected != 0, any[1] || transmitted != 0];
         }
         let beams = match any {
@@ -178,8 +178,8 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
         };
         for (side, to) in beams.into_iter().enumerate() {
             if let Some(to) = to {
-                shares.hand_over::<F>(side, action, self.stream.numbers_mut(to));
-                self.stream.set_lanes(to, shares.chosen.iter().map(|sides| sides[side]));
+                bundle.hand_over::<F>(side, action, self.stream.numbers_mut(to));
+                self.stream.set_lanes(to, bundle.chosen.iter().map(|sides| sides[side]));
             }
         }
         beams

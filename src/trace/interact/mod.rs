@@ -30,7 +30,7 @@ use crate::optics::{C64, Coefficients, Pair};
 use crate::plan::Edges;
 use crate::sample::{Matter, MediumId};
 
-use bundle::Shares;
+use bundle::Bundle;
 use divide::{Absorber, Action, Encounter};
 
 /// An interface between two different media, met by a ray.
@@ -108,13 +108,13 @@ impl Bend<'_> {
 pub struct Scratch<F: Field> {
     beams: BeamTable<F::Passage>,
     bends: Vec<Option<Refraction>>,
-    shares: Shares,
+    bundle: Bundle,
 }
 
 impl<F: Field> Scratch<F> {
     /// For so many lanes.
     pub fn new(lanes: usize) -> Self {
-        Self { beams: BeamTable::new(lanes), bends: vec![None; lanes], shares: Shares::new::<F>(lanes) }
+        Self { beams: BeamTable::new(lanes), bends: vec![None; lanes], bundle: Bundle::new::<F>(lanes) }
     }
 }
 
@@ -145,20 +145,20 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
             Around::Medium(last) => self.refract(films, scratch, last),
             Around::Opaque(solid) => match self.kernel.sample.solids[solid as usize].matter {
                 Matter::Diffuse(share) => self.scatter(share, self.kernel.solids.group(solid)),
-                Matter::Mirror(share) => self.mirror(&mut scratch.shares, share, self.kernel.solids.group(solid)),
+                Matter::Mirror(share) => self.mirror(&mut scratch.bundle, share, self.kernel.solids.group(solid)),
                 Matter::Medium(_) => unreachable!("a medium is not opaque"),
             },
         }
     }
 
     /// A perfect conductor's signs.
-    fn mirror(&mut self, shares: &mut Shares, share: f64, group: u16) {
+    fn mirror(&mut self, bundle: &mut Bundle, share: f64, group: u16) {
         self.doubt();
         let a = C64::new(share.sqrt(), 0.0);
         let c = Coefficients { r: Pair { s: -a, p: a }, t: Pair { s: C64::ZERO, p: C64::ZERO } };
         let (action, absorber) = (Action::Uniform(Beams::new(&c)), Absorber::One(group));
         let encounter = Encounter { plane: &self.plane(), action, bend: Bend::Never, absorber };
-        self.divide(shares, &encounter, None);
+        self.divide(bundle, &encounter, None);
     }
 
     fn refract(&mut self, films: &mut Films<F>, scratch: &mut Scratch<F>, last: MediumId) {
@@ -181,12 +181,12 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
             }
             let (action, bend) = (Action::PerLane(&scratch.beams), Bend::PerLane(&scratch.bends));
             let encounter = Encounter { plane: &plane, action, bend, absorber };
-            return self.divide(&mut scratch.shares, &encounter, Some(&behind));
+            return self.divide(&mut scratch.bundle, &encounter, Some(&behind));
         }
         let (beams, refraction) = media.interface::<F>(first, last, lane, plane.slant);
         let (action, bend) = (Action::Uniform(beams), Bend::same(refraction));
         let encounter = Encounter { plane: &plane, action, bend, absorber };
-        self.divide(&mut scratch.shares, &encounter, Some(&behind));
+        self.divide(&mut scratch.bundle, &encounter, Some(&behind));
     }
 
     /// What takes the power that an interface into a medium does not send on.
@@ -233,7 +233,7 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
             Bend::same(media.refraction(first, stack.last, lane, plane.slant))
         };
         let encounter = Encounter { plane, action: Action::PerLane(beams), bend, absorber };
-        self.divide(&mut scratch.shares, &encounter, Some(&behind));
+        self.divide(&mut scratch.bundle, &encounter, Some(&behind));
         true
     }
 
