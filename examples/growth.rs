@@ -168,7 +168,7 @@ fn plot(series: &Series) -> String {
             .collect(),
     };
     let time: Vec<(&str, Of)> =
-        vec![("sample, accelerator, plan", |p| p.build), ("a million of them traced", |p| 1e6 * p.trace)];
+        vec![("sample, accelerator, plan", |p| p.build), ("a million trees traced", |p| 1e6 * p.trace)];
     panels(series.name, &[panel("time", "s", time), panel("memory", "MiB", vec![("", |p| p.memory.max(0.1))])])
 }
 
