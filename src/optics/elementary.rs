@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_2_PI;
 
 use pulp::Simd;
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Number as _};
 
 /// Largest |x| of [`sin_cos`].
 pub const LARGEST: f64 = 1e5;

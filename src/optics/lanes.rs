@@ -97,24 +97,6 @@ impl<S: Simd> Lanes<S> {
         Self::splat(self.s, x)
     }
 
-    /// Quotient.
-    #[inline(always)]
-    pub fn over(self, other: Self) -> Self {
-        self.like(self.s.div_f64s(self.x, other.x))
-    }
-
-    /// Square root.
-    #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        self.like(self.s.sqrt_f64s(self.x))
-    }
-
-    /// Size.
-    #[inline(always)]
-    pub fn abs(self) -> Self {
-        self.like(self.s.abs_f64s(self.x))
-    }
-
     /// The larger; `other` where this is no number.
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
@@ -204,17 +186,17 @@ impl Number for f64 {
 impl<S: Simd> Number for Lanes<S> {
     #[inline(always)]
     fn over(self, other: Self) -> Self {
-        self.over(other)
+        self.like(self.s.div_f64s(self.x, other.x))
     }
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.sqrt()
+        self.like(self.s.sqrt_f64s(self.x))
     }
 
     #[inline(always)]
     fn abs(self) -> Self {
-        self.abs()
+        self.like(self.s.abs_f64s(self.x))
     }
 
     #[inline(always)]

@@ -8,7 +8,7 @@ use super::slab::{Slab, meaningful, real_step, reduced_phase};
 use super::steps::{COEFFICIENTS, Kind, Steps, store};
 use super::{Question, Spectrum};
 use crate::optics::film::{Incidence, MUCH};
-use crate::optics::lanes::{Complex, Lanes, Mask, WIDEST};
+use crate::optics::lanes::{Complex, Lanes, Mask, Number as _, WIDEST};
 
 /// One block of wavelengths: what is known of them outside the stack.
 pub(super) struct Block<S: Simd> {

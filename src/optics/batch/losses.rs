@@ -7,7 +7,7 @@ use super::block::Block;
 use super::steps::{Kind, Steps};
 use super::wave::{STEPS_PER_RESCALING, Wave};
 use crate::optics::Pair;
-use crate::optics::lanes::Lanes;
+use crate::optics::lanes::{Lanes, Number as _};
 
 /// To find what the layers of a stack absorb; there is one at least.
 pub(super) struct Losses<'a> {

@@ -8,7 +8,7 @@ use super::block::Normal;
 use super::steps::COEFFICIENTS;
 use crate::optics::elementary::{exp_m1_negative, exp_split, sin_cos};
 use crate::optics::film::MOST_TURNS;
-use crate::optics::lanes::{Complex, Lanes};
+use crate::optics::lanes::{Complex, Lanes, Number as _};
 
 /// A layer in which some lane does not travel.
 pub(super) struct Slab<S: Simd> {

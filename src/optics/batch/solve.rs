@@ -10,7 +10,7 @@ use super::wave::{STEPS_PER_RESCALING, Wave};
 use super::{Question, Sides};
 use crate::optics::elementary::{exp_split, sin_cos};
 use crate::optics::film::Amplitudes;
-use crate::optics::lanes::{Complex, Lanes, WIDEST};
+use crate::optics::lanes::{Complex, Lanes, Number as _, WIDEST};
 use crate::optics::{C64, Pair};
 
 /// To solve a stack.

@@ -5,7 +5,7 @@
 
 use pulp::Simd;
 
-use crate::optics::lanes::{Complex, Lanes, Mask};
+use crate::optics::lanes::{Complex, Lanes, Mask, Number as _};
 
 /// What layers do to fields: rows of lanes, layer by layer.
 #[derive(Debug, Default)]

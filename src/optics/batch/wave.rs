@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::steps::{COEFFICIENTS, Kind, Step};
-use crate::optics::lanes::{Complex, Lanes};
+use crate::optics::lanes::{Complex, Lanes, Number as _};
 
 /// Fields stay within 2^±100, but for what a few layers can change; stacks of others are solved one by one.
 const RESCALING: i32 = 200;

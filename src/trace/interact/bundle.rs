@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::divide::{Action, Encounter, REFLECTED, Rule};
 use super::{Beams, Bend, Plane};
 use crate::optics::field::{Field, Shares as _, State, load, store};
-use crate::optics::lanes::{Lanes, padded};
+use crate::optics::lanes::{Lanes, Number as _, padded};
 
 /// The lanes of a ray at an interface; each list is [padded].
 pub struct Bundle {
