@@ -2,8 +2,9 @@
 //! is the same for any number of threads.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, PoisonError, mpsc};
+use std::ops::Range;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
+use std::time::{Duration, Instant};
 
 use super::effects::Effects;
 use super::kernel::Kernel;
@@ -18,8 +19,12 @@ use crate::optics::field::Field;
 const UNIT: u32 = 8192;
 /// Trees traced together: their rays, with all they carry, fit the cache of a core.
 const STREAM: usize = 64;
-/// Units that may be finished before the one to be delivered next.
+/// Units that may be begun after the one to be delivered next.
 const AHEAD: usize = 256;
+/// Most units that a thread traces at once: in a large sample, what one has met is still near at hand for the next.
+const TOGETHER: usize = 16;
+/// So long a thread may be silent, where units are that short.
+const SILENCE: Duration = Duration::from_secs(1);
 
 /// Some consecutive trees of one batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,24 +64,24 @@ pub fn run<F: Field, E: Effects, D: Detect<F>>(
     detector: impl Fn() -> D + Sync,
     mut deliver: impl FnMut(&Unit, D::Part, Stacks) -> bool,
 ) {
-    let next = AtomicUsize::new(0);
-    let delivered = Mutex::new(0usize);
-    let progress = Condvar::new();
+    let queue = Queue::new(units.len(), pool.current_num_threads());
     let (sender, receiver) = mpsc::channel();
     let work = |sender: mpsc::Sender<(usize, (D::Part, Stacks))>| {
-        let mut worker = Worker { tracer: Tracer::<F, E>::new(kernel), detector: detector(), order: Vec::new() };
+        let mut worker = Worker::<F, E, D> { tracer: Tracer::new(kernel), desks: Vec::new() };
+        let mut most = 1;
         loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            let Some(unit) = units.get(i) else { break };
-            let mut done = delivered.lock().unwrap_or_else(PoisonError::into_inner);
-            while i > *done + AHEAD {
-                done = progress.wait(done).unwrap_or_else(PoisonError::into_inner);
-            }
-            drop(done);
-            let part = worker.trace(light, unit);
-            if sender.send((i, (part, worker.tracer.take_stacks()))).is_err() {
+            let taken = queue.take(most);
+            if taken.is_empty() {
                 break;
             }
+            let (begun, group) = (Instant::now(), &units[taken.clone()]);
+            worker.desks.resize_with(group.len().max(worker.desks.len()), || Desk::new(detector()));
+            worker.trace(light, group);
+            let parts = group.iter().zip(&mut worker.desks).map(|(unit, desk)| desk.clear(unit));
+            if !taken.zip(parts).all(|part| sender.send(part).is_ok()) {
+                break;
+            }
+            most = fitting(group.len(), begun.elapsed());
         }
     };
     pool.in_place_scope(|scope| {
@@ -89,42 +94,119 @@ pub fn run<F: Field, E: Effects, D: Detect<F>>(
         let mut wanted = 0;
         for (i, part) in receiver {
             waiting.insert(i, part);
+            let mut go_on = true;
             while let Some((part, stacks)) = waiting.remove(&wanted) {
-                let go_on = deliver(&units[wanted], part, stacks);
+                go_on &= deliver(&units[wanted], part, stacks);
                 wanted += 1;
-                if !go_on {
-                    next.store(units.len(), Ordering::Relaxed);
-                }
             }
-            *delivered.lock().unwrap_or_else(PoisonError::into_inner) = wanted;
-            progress.notify_all();
+            queue.delivered(wanted, go_on);
         }
     });
 }
 
-struct Worker<'k, 'a, F: Field, E, D> {
-    tracer: Tracer<'k, 'a, F, E>,
-    detector: D,
-    order: Vec<(u32, TreeNumbers)>,
+/// How many units can be traced in the time that a thread may be silent, if so many have taken so long.
+fn fitting(units: usize, time: Duration) -> usize {
+    let fit = units as f64 * SILENCE.as_secs_f64() / time.as_secs_f64();
+    (fit as usize).clamp(1, TOGETHER)
 }
 
-impl<F: Field, E: Effects, D: Detect<F>> Worker<'_, '_, F, E, D> {
-    /// Traces the trees of a unit, neighbours in the footprint together, so that their rays run together.
-    fn trace(&mut self, light: &Light, unit: &Unit) -> D::Part {
-        self.order.clear();
-        self.order.extend((unit.first..unit.first + unit.count).map(|tree| {
+/// Which units are still to be traced.
+struct Queue {
+    units: usize,
+    threads: usize,
+    /// Units taken, and units delivered.
+    state: Mutex<[usize; 2]>,
+    progress: Condvar,
+}
+
+impl Queue {
+    fn new(units: usize, threads: usize) -> Self {
+        Self { units, threads, state: Mutex::new([0; 2]), progress: Condvar::new() }
+    }
+
+    /// The next units: not more than `most`, and so few that no thread is without work before the end. None if none is left.
+    fn take(&self, most: usize) -> Range<usize> {
+        let is_ahead = |[taken, delivered]: &mut [usize; 2]| *taken < self.units && *taken > *delivered + AHEAD;
+        let waited = self.progress.wait_while(self.lock(), is_ahead);
+        let [taken, _] = &mut *waited.unwrap_or_else(PoisonError::into_inner);
+        let first = *taken;
+        *taken += most.min((self.units - first).div_ceil(2 * self.threads));
+        first..*taken
+    }
+
+    /// So many are delivered; unless it goes `on`, none is left.
+    fn delivered(&self, count: usize, go_on: bool) {
+        let mut state = self.lock();
+        state[1] = count;
+        if !go_on {
+            state[0] = self.units;
+        }
+        drop(state);
+        self.progress.notify_all();
+    }
+
+    fn lock(&self) -> MutexGuard<'_, [usize; 2]> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+struct Worker<'k, 'a, F: Field, E, D> {
+    tracer: Tracer<'k, 'a, F, E>,
+    desks: Vec<Desk<D>>,
+}
+
+/// Where a unit is worked on.
+struct Desk<D> {
+    detector: D,
+    stacks: Stacks,
+    /// Its trees, neighbours in the footprint together, so that their rays run together.
+    trees: Vec<(u32, TreeNumbers)>,
+}
+
+impl<D> Desk<D> {
+    fn new(detector: D) -> Self {
+        Self { detector, stacks: Stacks::default(), trees: Vec::new() }
+    }
+
+    /// Lays out a unit.
+    fn lay_out<F: Field>(&mut self, unit: &Unit)
+    where
+        D: Detect<F>,
+    {
+        self.trees.clear();
+        self.trees.extend((unit.first..unit.first + unit.count).map(|tree| {
             let numbers = TreeNumbers::new(unit.batch, tree);
             (morton(numbers.entry), numbers)
         }));
-        self.order.sort_unstable_by_key(|(place, numbers)| (*place, numbers.key()));
-        let incidence = unit.batch.incidence as usize;
-        self.detector.begin(incidence);
-        for (i, trees) in self.order.chunks(STREAM).enumerate() {
-            let entries = trees.iter().map(|(_, n)| (n.entry, TreeKey { key: n.key(), first: n.first() }));
-            let first = (i * STREAM) as u32;
-            self.tracer.trace(&light.incidences[incidence], light.polarization, first, entries, &mut self.detector);
+        self.trees.sort_unstable_by_key(|(place, numbers)| (*place, numbers.key()));
+        self.detector.begin(unit.batch.incidence as usize);
+    }
+
+    /// Takes away what the unit has yielded.
+    fn clear<F: Field>(&mut self, unit: &Unit) -> (D::Part, Stacks)
+    where
+        D: Detect<F>,
+    {
+        (self.detector.finish(u64::from(unit.count)), std::mem::take(&mut self.stacks))
+    }
+}
+
+impl<F: Field, E: Effects, D: Detect<F>> Worker<'_, '_, F, E, D> {
+    /// Traces units, one on each desk, by turns: some trees of each from the same part of the footprint. What a unit yields
+    /// does not depend on those beside it.
+    fn trace(&mut self, light: &Light, units: &[Unit]) {
+        self.desks.iter_mut().zip(units).for_each(|(desk, unit)| desk.lay_out(unit));
+        for first in (0..UNIT as usize).step_by(STREAM) {
+            for (desk, unit) in self.desks.iter_mut().zip(units) {
+                let Some(trees @ [_, ..]) = desk.trees.get(first..) else { continue };
+                let trees = trees.iter().take(STREAM);
+                let entries = trees.map(|(_, n)| (n.entry, TreeKey { key: n.key(), first: n.first() }));
+                let incidence = &light.incidences[unit.batch.incidence as usize];
+                self.tracer.swap_stacks(&mut desk.stacks);
+                self.tracer.trace(incidence, light.polarization, first as u32, entries, &mut desk.detector);
+                self.tracer.swap_stacks(&mut desk.stacks);
+            }
         }
-        self.detector.finish(u64::from(unit.count))
     }
 }
 
@@ -151,6 +233,38 @@ mod tests {
         assert_eq!(units.iter().map(|u| u.count).sum::<u32>(), 20_000);
         assert!(units.windows(2).all(|w| w[0].first + w[0].count == w[1].first));
         assert_eq!(Unit::cut(batch, 0).count(), 0);
+    }
+
+    /// Each unit once, in order, by as many as are wanted, and fewer towards the end.
+    #[test]
+    fn all_units_are_taken_and_the_last_ones_singly() {
+        let queue = Queue::new(100, 2);
+        let taken: Vec<Range<usize>> =
+            std::iter::repeat_with(|| queue.take(TOGETHER)).take_while(|r| !r.is_empty()).collect();
+        assert!(taken[0] == (0..TOGETHER) && taken.last() == Some(&(99..100)), "{taken:?}");
+        assert!(taken.windows(2).all(|w| w[0].end == w[1].start && w[0].len() >= w[1].len()));
+        assert_eq!(Queue::new(100, 64).take(TOGETHER), 0..1);
+        assert!(Queue::new(0, 2).take(TOGETHER).is_empty());
+    }
+
+    #[test]
+    fn a_stopped_queue_is_empty_and_nobody_waits_for_it() {
+        let queue = Queue::new(10 * AHEAD, 1);
+        while queue.lock()[0] <= AHEAD {
+            queue.take(TOGETHER);
+        }
+        std::thread::scope(|scope| {
+            let waiting = scope.spawn(|| queue.take(1));
+            queue.delivered(1, false);
+            assert!(waiting.join().unwrap().is_empty());
+        });
+    }
+
+    #[test]
+    fn no_thread_is_silent_for_long() {
+        assert_eq!(fitting(1, SILENCE / 3), 3);
+        assert_eq!(fitting(4, 100 * SILENCE), 1);
+        assert_eq!(fitting(4, Duration::ZERO), TOGETHER);
     }
 
     #[test]

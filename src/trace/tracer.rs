@@ -89,9 +89,9 @@ impl<'k, 'a, F: Field, E: Effects> Tracer<'k, 'a, F, E> {
         recorder.segments(self.segments);
     }
 
-    /// The stacks met since this was last asked.
-    pub fn take_stacks(&mut self) -> Stacks {
-        std::mem::take(&mut self.films.stacks)
+    /// Exchanges the list to which stacks are added that are met.
+    pub fn swap_stacks(&mut self, stacks: &mut Stacks) {
+        std::mem::swap(&mut self.films.stacks, stacks);
     }
 
     fn launch(
