@@ -1,7 +1,8 @@
 //! Which of many boxes overlap: uniform grids.
 
-use glam::{DVec3, I64Vec3};
-use rayon::prelude::*;
+use std::sync::OnceLock;
+
+use glam::I64Vec3;
 
 use super::Aabb;
 
@@ -14,12 +15,12 @@ const FEW_BOXES: usize = 4096;
 /// Grids over boxes, each coarser than the one before.
 pub struct Pairs<'a> {
     boxes: &'a [Aabb],
-    grids: Vec<Grid>,
+    /// With the edge of their cells, µm; made when they are first asked.
+    grids: Vec<(f64, OnceLock<Grid>)>,
 }
 
 /// Cells of one size.
 struct Grid {
-    size: DVec3,
     /// Boxes by bucket of cells: those of bucket `b` are at `starts[b]..starts[b + 1]`.
     starts: Vec<u32>,
     sorted: Vec<u32>,
@@ -33,13 +34,13 @@ impl<'a> Pairs<'a> {
     /// Sorts boxes into cells of about their median size and, if they are many, into coarser ones, for who looks for all
     /// boxes in a large one. Empty boxes are left out.
     pub fn new(boxes: &'a [Aabb]) -> Self {
-        let mut edges: Vec<f64> =
-            boxes.iter().map(|b| b.size().max_element()).filter(|e| e.is_finite() && *e > 0.0).collect();
+        let some = boxes.iter().step_by(1 + boxes.len() / FEW_BOXES);
+        let mut edges: Vec<f64> = some.map(|b| b.size().max_element()).filter(|e| e.is_finite() && *e > 0.0).collect();
         edges.sort_by(f64::total_cmp);
         let finest = edges.get(edges.len() / 2).copied().unwrap_or(1.0);
         let count = if boxes.len() > FEW_BOXES { Self::MOST_GRIDS } else { 1 };
-        let size = |level: usize| DVec3::splat(finest * 4.0_f64.powi(level as i32));
-        Self { boxes, grids: (0..count).into_par_iter().map(|level| Grid::new(boxes, size(level))).collect() }
+        let edge = |level: usize| finest * 4.0_f64.powi(level as i32);
+        Self { boxes, grids: (0..count).map(|level| (edge(level), OnceLock::new())).collect() }
     }
 
     /// Calls `visit` for every box that overlaps `b` (touching counts), possibly more than once.
@@ -52,8 +53,9 @@ impl<'a> Pairs<'a> {
                 visit(i as usize);
             }
         };
-        match self.grids.iter().find_map(|grid| Some((grid, grid.range(b)?))) {
-            Some((grid, cells)) => {
+        match self.grids.iter().find_map(|(edge, grid)| Some((*edge, grid, range(*edge, b)?))) {
+            Some((edge, grid, cells)) => {
+                let grid = grid.get_or_init(|| Grid::new(self.boxes, edge));
                 for cell in cells {
                     let b = grid.bucket(cell);
                     let inside = grid.starts[b] as usize..grid.starts[b + 1] as usize;
@@ -83,12 +85,12 @@ impl<'a> Pairs<'a> {
 }
 
 impl Grid {
-    fn new(boxes: &[Aabb], size: DVec3) -> Self {
+    fn new(boxes: &[Aabb], edge: f64) -> Self {
         let buckets = (2 * boxes.len()).next_power_of_two();
-        let mut grid = Self { size, starts: vec![0; buckets + 1], sorted: Vec::new(), large: Vec::new() };
+        let mut grid = Self { starts: vec![0; buckets + 1], sorted: Vec::new(), large: Vec::new() };
         // Counted first, so that nothing is kept that is not needed later.
         for (i, b) in boxes.iter().enumerate() {
-            match grid.range(b) {
+            match range(edge, b) {
                 Some(cells) => cells.for_each(|cell| *grid.end_of(cell) += 1),
                 None if !b.is_empty() => grid.large.push(i as u32),
                 None => {}
@@ -100,7 +102,7 @@ impl Grid {
         // Filled from behind, until what was the end of each bucket is its beginning, and the end of the one before.
         grid.sorted = vec![0; grid.starts.last().map_or(0, |&all| all as usize)];
         for (i, b) in boxes.iter().enumerate().rev() {
-            for cell in grid.range(b).into_iter().flatten() {
+            for cell in range(edge, b).into_iter().flatten() {
                 let end = grid.end_of(cell);
                 *end -= 1;
                 let at = *end as usize;
@@ -120,29 +122,35 @@ impl Grid {
         &mut self.starts[bucket + 1]
     }
 
-    /// The bucket of a cell; others may share it.
+    /// The bucket of a cell; others may share it. Cells of a block have theirs side by side: who comes along a
+    /// space-filling curve finds them near at hand.
     fn bucket(&self, cell: I64Vec3) -> usize {
-        let mix = |h: u64, x: i64| (h ^ x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
-        cell.to_array().into_iter().fold(0, mix) as usize & (self.starts.len() - 2)
+        let mix = |h: u64, x: i64| (h ^ (x >> 2) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+        let within = cell.to_array().into_iter().fold(0, |place, x| place << 2 | (x & 3) as u64);
+        (cell.to_array().into_iter().fold(0, mix) << 6 | within) as usize & (self.starts.len() - 2)
     }
+}
 
-    /// The cells a box reaches, or `None` if it is empty or they are too many.
-    fn range(&self, b: &Aabb) -> Option<impl Iterator<Item = I64Vec3> + use<>> {
-        let (low, high) = ((b.min / self.size).floor(), (b.max / self.size).floor());
-        let count = (high - low + 1.0).element_product();
-        let few = count <= MANY_CELLS as f64; // false for a box that is no box
-        if b.is_empty() || !few || low.abs().max_element() > 1e15 {
-            return None;
-        }
-        let (low, high) = (low.as_i64vec3(), high.as_i64vec3());
-        Some((low.z..=high.z).flat_map(move |z| {
-            (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| I64Vec3::new(x, y, z)))
-        }))
+/// The cells of this edge (µm) that a box reaches, or `None` if it is empty or they are too many.
+fn range(edge: f64, b: &Aabb) -> Option<impl Iterator<Item = I64Vec3> + use<>> {
+    let (low, high) = ((b.min / edge).floor(), (b.max / edge).floor());
+    let count = (high - low + 1.0).element_product();
+    let few = count <= MANY_CELLS as f64; // false for a box that is no box
+    if b.is_empty() || !few || low.abs().max_element() > 1e15 {
+        return None;
     }
+    let (low, high) = (low.as_i64vec3(), high.as_i64vec3());
+    Some(
+        (low.z..=high.z).flat_map(move |z| {
+            (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| I64Vec3::new(x, y, z)))
+        }),
+    )
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use rand::rngs::Xoshiro256PlusPlus;
     use rand::{RngExt, SeedableRng};

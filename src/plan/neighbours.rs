@@ -51,7 +51,7 @@ pub struct Groups<'f> {
 
 impl<'f> Groups<'f> {
     /// Sorts faces.
-    pub fn new(faces: &[Face<'f>]) -> Self {
+    pub fn new(mut faces: Vec<Face<'f>>) -> Self {
         let of_face = |face: &Face<'f>| face.normal().map(|normal| (cell(normal), *face));
         let mut sorted: Vec<(Cell, Face)> = faces.par_iter().filter_map(of_face).collect();
         sorted.par_sort_by_key(|(cell, _)| *cell);
@@ -61,11 +61,18 @@ impl<'f> Groups<'f> {
             cells.push((part[0].0, begin..begin + part.len()));
             begin += part.len();
         }
-        let curved: Vec<Face> = faces.iter().copied().filter(|face| face.normal().is_none()).collect();
-        let mixed = !curved.is_empty() && !sorted.is_empty();
+        let mixed = !sorted.is_empty() && sorted.len() < faces.len();
+        let all = mixed.then(|| Group::new(faces.clone()));
         let plane = sorted.into_iter().map(|(_, face)| face).collect();
-        let [plane, curved] = [plane, curved].map(Group::new);
-        Self { plane, cells, curved, all: mixed.then(|| Group::new(faces.to_vec())) }
+        faces.retain(|face| face.normal().is_none());
+        faces.shrink_to_fit();
+        let [plane, curved] = [plane, faces].map(Group::new);
+        Self { plane, cells, curved, all }
+    }
+
+    /// All faces.
+    pub fn faces(&self) -> impl Iterator<Item = &Face<'f>> {
+        self.plane.faces.iter().chain(&self.curved.faces)
     }
 
     /// Which faces have a parallel one within `reach` µm.
@@ -188,7 +195,7 @@ mod tests {
         }
         let primitives = builder.finish();
         let all: Vec<Face> = (0..primitives.len() as u32).flat_map(|i| faces(&primitives, PrimId(i))).collect();
-        let groups = Groups::new(&all);
+        let groups = Groups::new(all.clone());
         let (reach, wavelength) = (3.0, 0.2);
         let sorted = |faces: Vec<Face>| {
             let mut numbers: Vec<(u32, u8)> = faces.iter().map(|f| (f.prim.0, f.number)).collect();

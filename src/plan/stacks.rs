@@ -79,10 +79,11 @@ impl Marks {
         let bounded: Vec<Face> = (0..count).into_par_iter().flat_map_iter(|i| faces(primitives, PrimId(i))).collect();
         let levels = (count..primitives.len() as u32).flat_map(|i| faces(primitives, PrimId(i)));
         let levels: Vec<Face> = levels.collect();
-        for face in Groups::new(&bounded).parallel(reach, wavelength) {
+        let groups = Groups::new(bounded);
+        for face in groups.parallel(reach, wavelength) {
             self.mark(&face);
         }
-        for face in bounded.iter().filter(|f| f.may_face_a_level(wavelength)) {
+        for face in groups.faces().filter(|f| f.may_face_a_level(wavelength)) {
             for level in levels.iter().filter(|l| face.parallel_to(l, reach, wavelength)) {
                 self.mark(face);
                 self.mark(level);

@@ -262,6 +262,8 @@ impl Parts {
         overlap::problems(&self.shapes, &self.solids, cell).into_iter().collect::<Problems>().or(())?;
         cell.place_seams(self.shapes.iter().flat_map(|(shape, _)| shape.walls()));
         let repeats = self.repeated(cell).map_err(|why| description.place.problem(why))?;
+        // They are as large as all the rest.
+        self.shapes = Vec::new();
         let (primitives, tiling) = repeats.finish();
         lonely::mark(&primitives, &mut self.solids);
         Ok((primitives, tiling))

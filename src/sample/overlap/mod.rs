@@ -10,9 +10,10 @@ mod convex;
 mod tests;
 mod triangles;
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use self::columns::Columns;
 use self::convex::{Convex, common_point};
@@ -27,6 +28,9 @@ const MOST_TOLD: usize = 5;
 
 /// After so many overlaps the search ends.
 const ENOUGH: usize = 1000;
+
+/// Bodies that are searched at once before it is asked whether there are enough.
+const AT_ONCE: usize = 1 << 12;
 
 /// Two solids and a point inside both, µm.
 type Overlap = ([u32; 2], DVec3);
@@ -86,7 +90,7 @@ struct Scene<'a> {
     shapes: &'a [(Base, u32)],
     solids: &'a [Solid],
     /// Of each shape that is a mesh, once it is needed.
-    columns: Vec<OnceCell<Box<Columns<'a>>>>,
+    columns: Vec<OnceLock<Box<Columns<'a>>>>,
     bodies: Vec<Body>,
     layers: Vec<(Layer, u32)>,
     /// Endless bodies are cut off here.
@@ -114,7 +118,7 @@ impl<'a> Scene<'a> {
             }
         }
         layers.sort_by(|(a, _), (b, _)| a.bottom.total_cmp(&b.bottom));
-        let columns = shapes.iter().map(|_| OnceCell::new()).collect();
+        let columns = shapes.iter().map(|_| OnceLock::new()).collect();
         let coordinates = reach_of(&bodies);
         let reach = (Cell::FAR * cell.size.max_element()).max(2.0 * coordinates);
         let far = Aabb { min: DVec3::splat(-reach), max: DVec3::splat(reach) };
@@ -131,24 +135,32 @@ impl<'a> Scene<'a> {
         let bounds: Vec<Aabb> = self.bodies.iter().map(|b| b.bounds).collect();
         let grid = Pairs::new(&bounds);
         let mut found = Vec::new();
-        for (i, a) in self.bodies.iter().enumerate() {
-            let mut rivals = Vec::new();
-            grid.overlapping(&a.bounds, |j| {
-                let b = &self.bodies[j];
-                if j > i && self.rivals(a.owner, b.owner) && self.share_bounds(a.bounds, b.bounds) {
-                    rivals.push(j);
-                }
-            });
-            rivals.sort_unstable();
-            rivals.dedup();
-            let owners = |b: &Body| [a.owner.min(b.owner), a.owner.max(b.owner)];
-            let overlap = |b: &Body| Some((owners(b), self.common(a, b)?));
-            found.extend(rivals.into_iter().filter_map(|j| overlap(&self.bodies[j])));
+        let count = self.bodies.len();
+        for first in (0..count).step_by(AT_ONCE) {
+            let some = (first..count.min(first + AT_ONCE)).into_par_iter();
+            found.par_extend(some.flat_map_iter(|i| self.overlapping(i, &grid)));
             if found.len() > ENOUGH {
                 break;
             }
         }
         found
+    }
+
+    /// Overlaps of a body with later ones.
+    fn overlapping(&self, i: usize, grid: &Pairs<'_>) -> Vec<Overlap> {
+        let a = &self.bodies[i];
+        let mut rivals = Vec::new();
+        grid.overlapping(&a.bounds, |j| {
+            let b = &self.bodies[j];
+            if j > i && self.rivals(a.owner, b.owner) && self.share_bounds(a.bounds, b.bounds) {
+                rivals.push(j);
+            }
+        });
+        rivals.sort_unstable();
+        rivals.dedup();
+        let owners = |b: &Body| [a.owner.min(b.owner), a.owner.max(b.owner)];
+        let overlap = |b: &Body| Some((owners(b), self.common(a, b)?));
+        rivals.into_iter().filter_map(|j| overlap(&self.bodies[j])).collect()
     }
 
     /// Whether bounds overlap and do not only touch.
