@@ -48,6 +48,7 @@ const CELLS_PER_BODY: f64 = 8.0;
 /// Balls placed in a slab, in grids by size: one for each octave, so that small ones among large ones are found as fast.
 pub(super) struct Balls<'a> {
     slab: &'a Slab,
+    radii: &'a [f64],
     grids: Vec<Grid>,
     placed: Vec<DVec3>,
     /// For each ball, the one that came into its cell before it, or [`NOBODY`].
@@ -59,18 +60,38 @@ pub(super) struct Balls<'a> {
 
 const NOBODY: u32 = u32::MAX;
 
+/// A ball that was placed.
+#[derive(Clone, Copy)]
+pub(super) struct Ball {
+    /// Its number, or [`NOBODY`].
+    number: u32,
+    /// µm.
+    pub radius: f64,
+    /// Its centre, µm.
+    pub place: DVec3,
+}
+
+impl Ball {
+    const NONE: Self = Self { number: NOBODY, radius: 0.0, place: DVec3::ZERO };
+
+    /// Its number.
+    pub fn number(&self) -> usize {
+        self.number as usize
+    }
+}
+
 /// Cells of at least one diameter of the largest ball in it: a smaller one can only touch those in the 27 cells around.
 struct Grid {
     /// Number of the first ball in it.
     first: usize,
     cells: [usize; 3],
-    /// The ball that came last into each cell, or [`NOBODY`].
-    latest: Vec<u32>,
+    /// The ball that came last into each cell.
+    latest: Vec<Ball>,
 }
 
 impl<'a> Balls<'a> {
     /// For balls of these radii, the largest first.
-    pub fn new(slab: &'a Slab, radii: &[f64]) -> Self {
+    pub fn new(slab: &'a Slab, radii: &'a [f64]) -> Self {
         let mut grids = Vec::new();
         let mut first = 0;
         while let Some(&largest) = radii.get(first) {
@@ -81,16 +102,18 @@ impl<'a> Balls<'a> {
         let step = |i: isize| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1];
         let mut steps: Vec<[isize; 3]> = (0..27).map(step).collect();
         steps.sort_by_key(|step| step.iter().map(|d| d * d).sum::<isize>());
-        Self { slab, grids, placed: Vec::with_capacity(radii.len()), before: Vec::with_capacity(radii.len()), steps }
+        let (placed, before) = (Vec::with_capacity(radii.len()), Vec::with_capacity(radii.len()));
+        Self { slab, radii, grids, placed, before, steps }
     }
 
     /// Places the next ball.
-    pub fn push(&mut self, p: DVec3) {
+    pub fn push(&mut self, place: DVec3) {
         let number = self.placed.len();
-        self.placed.push(p);
+        let ball = Ball { number: number as u32, radius: self.radii[number], place };
+        self.placed.push(place);
         let before = self.grids.iter_mut().rfind(|g| g.first <= number).map_or(NOBODY, |grid| {
-            let at = grid.index(grid.cell(p, self.slab));
-            std::mem::replace(&mut grid.latest[at], number as u32)
+            let at = grid.index(grid.cell(place, self.slab));
+            std::mem::replace(&mut grid.latest[at], ball).number
         });
         self.before.push(before);
     }
@@ -100,22 +123,36 @@ impl<'a> Balls<'a> {
         &self.placed
     }
 
-    /// Whether any ball that may meet the next one, if that lay at `p`, is as `is` says. Some are asked for twice.
-    pub fn any_near(&self, p: DVec3, mut is: impl FnMut(usize) -> bool) -> bool {
+    /// A ball before which one came into its cell.
+    fn earlier(&self, ball: Ball) -> Ball {
+        match self.before[ball.number()] {
+            NOBODY => Ball::NONE,
+            number => Ball { number, radius: self.radii[number as usize], place: self.placed[number as usize] },
+        }
+    }
+
+    /// Whether any ball that may meet the next one, if that lay at `p`, is as `is` says, of those from number `first` on.
+    /// Some are asked for twice.
+    pub fn any_near(&self, p: DVec3, first: usize, mut is: impl FnMut(&Ball) -> bool) -> bool {
         let filled = self.grids.iter().take_while(|g| g.first < self.placed.len().max(1));
         for grid in filled {
             let cell = grid.cell(p, self.slab);
             for number in self.steps.iter().filter_map(|&step| grid.beside(cell, step, self.slab.periodic)) {
                 let mut ball = grid.latest[number];
-                while ball != NOBODY {
-                    if is(ball as usize) {
+                while ball.number != NOBODY && ball.number() >= first {
+                    if is(&ball) {
                         return true;
                     }
-                    ball = self.before[ball as usize];
+                    ball = self.earlier(ball);
                 }
             }
         }
         false
+    }
+
+    /// Places that come one after another in this order are near one another.
+    pub fn order(&self, p: DVec3) -> usize {
+        self.grids.first().map_or(0, |grid| grid.index(grid.cell(p, self.slab)))
     }
 }
 
@@ -129,7 +166,7 @@ impl Grid {
             fitting[longest] = (0.5 * fitting[longest]).floor();
         }
         let cells = fitting.to_array().map(|n| n as usize);
-        Self { first, cells, latest: vec![NOBODY; cells.iter().product()] }
+        Self { first, cells, latest: vec![Ball::NONE; cells.iter().product()] }
     }
 
     fn cell(&self, p: DVec3, slab: &Slab) -> [usize; 3] {

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
 
 use super::super::description::{Body, Fill, Object, Shape};
 use super::super::fill::read_fill;
@@ -12,7 +13,7 @@ use super::super::problem::Place;
 use super::super::reader::Table;
 use super::common::{Common, Setting};
 pub use super::insertion::PackingError;
-use super::insertion::{Balls, Slab};
+use super::insertion::{Ball, Balls, Slab};
 use super::sizes::Sizes;
 use crate::units::significant;
 
@@ -43,6 +44,10 @@ const DENSEST_UNEQUAL: f64 = 0.6;
 /// Tries per sphere before a packing counts as jammed.
 const TRIES: usize = 200_000;
 
+/// Tries that are judged at once, at most, and how many are work for all threads.
+const AT_ONCE: usize = 1 << 22;
+const MANY: usize = 1 << 8;
+
 const ADVICE: &str = "random insertion ends near 0.38; use fewer or smaller spheres";
 const ADVICE_UNEQUAL: &str = "random insertion of equal spheres ends near 0.38, of a wide spread somewhat later; use \
                               fewer or smaller spheres";
@@ -66,26 +71,55 @@ pub fn insert(slab: &Slab, radii: &[f64], seed: u64) -> Result<Vec<DVec3>, Packi
     check(slab, radii)?;
     let mut balls = Balls::new(slab, radii);
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    for &radius in radii {
+    // Tries since the last ball.
+    let mut failed = 0;
+    while let Some(&radius) = radii.get(balls.placed().len()) {
+        let placed = balls.placed().len();
         let low = DVec3::new(-0.5 * slab.size.x, -0.5 * slab.size.y, radius);
         let span = DVec3::new(slab.size.x, slab.size.y, slab.size.z - 2.0 * radius);
-        let meets = |p: DVec3, n: usize| slab.distance_squared(p, balls.placed()[n]) < (radius + radii[n]).powi(2);
-        let free = (0..TRIES)
-            .map(|_| low + span * DVec3::new(rng.random(), rng.random(), rng.random()))
-            .find(|&p| !balls.any_near(p, |n| meets(p, n)));
-        let Some(p) = free else {
+        let rest = &radii[placed..];
+        let equal = rest.partition_point(|&r| r == radius);
+        let most = if equal == rest.len() { AT_ONCE } else { equal };
+        let count = (2 * placed + 1).min(most);
+        let tries: Vec<DVec3> =
+            (0..count).map(|_| low + span * DVec3::new(rng.random(), rng.random(), rng.random())).collect();
+        let mut begin = 0;
+        for i in free(slab, &balls, radius, &tries) {
+            let meets = |b: &Ball| slab.distance_squared(tries[i], b.place) < (radius + b.radius).powi(2);
+            let may = failed + (i - begin) < TRIES && balls.placed().len() < radii.len();
+            if may && !balls.any_near(tries[i], placed, meets) {
+                balls.push(tries[i]);
+                (failed, begin) = (0, i + 1);
+            }
+        }
+        failed += count - begin;
+        if failed >= TRIES && balls.placed().len() < radii.len() {
             let placed = balls.placed().len();
             let advice = if is_equal(radii) { ADVICE } else { ADVICE_UNEQUAL };
-            return Err(PackingError::Jammed {
-                what: "sphere",
-                placed,
-                fraction: fraction(slab, &radii[..placed]),
-                advice,
-            });
-        };
-        balls.push(p);
+            let fraction = fraction(slab, &radii[..placed]);
+            return Err(PackingError::Jammed { what: "sphere", placed, fraction, advice });
+        }
     }
     Ok(balls.placed().to_vec())
+}
+
+/// Which of these places are free for a ball of this radius, ascending. What is taken now will not be free later, so this can
+/// be asked of many tries before the first of them is placed.
+fn free(slab: &Slab, balls: &Balls<'_>, radius: f64, tries: &[DVec3]) -> Vec<usize> {
+    let is_free = |p: DVec3| {
+        let meets = |b: &Ball| slab.distance_squared(p, b.place) < (radius + b.radius).powi(2);
+        !balls.any_near(p, 0, meets)
+    };
+    if tries.len() < MANY {
+        return (0..tries.len()).filter(|&i| is_free(tries[i])).collect();
+    }
+    // Neighbours one after another, for what one asks of the memory the next one asks, too.
+    let mut sorted: Vec<(u32, u32, DVec3)> =
+        tries.par_iter().enumerate().map(|(i, &p)| (balls.order(p) as u32, i as u32, p)).collect();
+    sorted.par_sort_unstable_by_key(|(order, ..)| *order);
+    let mut free: Vec<usize> = sorted.par_iter().filter(|t| is_free(t.2)).map(|t| t.1 as usize).collect();
+    free.par_sort_unstable();
+    free
 }
 
 /// Part of the slab's volume that the spheres fill.
@@ -259,6 +293,31 @@ mod tests {
             assert!(radii[0] > 6.0 * radii[radii.len() - 1]);
             let centers = insert(&SLAB, &radii, seed).unwrap();
             assert_apart(&SLAB, &centers, &radii);
+        }
+    }
+
+    /// Each try by itself, against all balls.
+    fn one_after_another(slab: &Slab, radii: &[f64], seed: u64) -> Vec<DVec3> {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut placed: Vec<DVec3> = Vec::new();
+        while let Some(&radius) = radii.get(placed.len()) {
+            let low = DVec3::new(-0.5 * slab.size.x, -0.5 * slab.size.y, radius);
+            let span = DVec3::new(slab.size.x, slab.size.y, slab.size.z - 2.0 * radius);
+            let p = low + span * DVec3::new(rng.random(), rng.random(), rng.random());
+            let meets = |(&q, &r): (&DVec3, &f64)| slab.distance_squared(p, q) < (radius + r).powi(2);
+            if !placed.iter().zip(radii).any(meets) {
+                placed.push(p);
+            }
+        }
+        placed
+    }
+
+    #[test]
+    fn many_tries_at_once_place_what_one_after_another_does() {
+        let shares = Sizes::Shares(vec![(0.6, 0.1), (0.25, 0.9)]).draw(2000, 1);
+        let spread = Sizes::spread(0.2, 0.4).draw(500, 2);
+        for radii in [vec![0.25; 3500], shares, spread] {
+            assert_eq!(insert(&SLAB, &radii, 7).unwrap(), one_after_another(&SLAB, &radii, 7));
         }
     }
 

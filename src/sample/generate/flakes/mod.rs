@@ -155,7 +155,7 @@ impl Flakes {
                 return Err(self.too_thick(&flake));
             }
             let low = DVec3::new(-0.5 * span.x, -0.5 * span.y, flake.half_height());
-            let is_free = |p: DVec3| !balls.any_near(p, |n| self.meets(&flake, &flakes[n], balls.placed()[n] - p));
+            let is_free = |p: DVec3| !balls.any_near(p, 0, |b| self.meets(&flake, &flakes[b.number()], b.place - p));
             let mut places = (0..TRIES).map(|_| low + span * DVec3::new(rng.random(), rng.random(), rng.random()));
             let Some(p) = places.find(|&p| is_free(p)) else {
                 let volume: f64 = flakes.iter().map(|f| f.form.volume()).sum();
