@@ -23,6 +23,8 @@ const STREAM: usize = 64;
 const AHEAD: usize = 256;
 /// Most units that a thread traces at once: in a large sample, what one has met is still near at hand for the next.
 const TOGETHER: usize = 16;
+/// Numbers per facet of all of them: what they yield is held until all are done.
+const NUMBERS: usize = 256;
 /// So long a thread may be silent, where units are that short.
 const SILENCE: Duration = Duration::from_secs(1);
 
@@ -54,8 +56,8 @@ pub trait Detect<F: Field>: Recorder<F> {
     fn finish(&mut self, trees: u64) -> Self::Part;
 }
 
-/// Traces `units` on all threads of `pool`. `detector` makes one recorder per thread; `deliver` gets the parts, and the
-/// stacks of films that were met, in the order of the units, and stops the work by returning `false`.
+/// Traces `units` on all threads of `pool`. `detector` makes recorders, one for each unit that is being traced; `deliver` gets
+/// the parts, and the stacks of films that were met, in the order of the units, and stops the work by returning `false`.
 pub fn run<F: Field, E: Effects, D: Detect<F>>(
     kernel: &Kernel<'_>,
     light: &Light,
@@ -65,6 +67,7 @@ pub fn run<F: Field, E: Effects, D: Detect<F>>(
     mut deliver: impl FnMut(&Unit, D::Part, Stacks) -> bool,
 ) {
     let queue = Queue::new(units.len(), pool.current_num_threads());
+    let together = (NUMBERS / (kernel.lanes() * F::COMPONENTS)).clamp(1, TOGETHER);
     let (sender, receiver) = mpsc::channel();
     let work = |sender: mpsc::Sender<(usize, (D::Part, Stacks))>| {
         let mut worker = Worker::<F, E, D> { tracer: Tracer::new(kernel), desks: Vec::new() };
@@ -81,7 +84,7 @@ pub fn run<F: Field, E: Effects, D: Detect<F>>(
             if !taken.zip(parts).all(|part| sender.send(part).is_ok()) {
                 break;
             }
-            most = fitting(group.len(), begun.elapsed());
+            most = fitting(group.len(), begun.elapsed()).min(together);
         }
     };
     pool.in_place_scope(|scope| {
@@ -107,45 +110,50 @@ pub fn run<F: Field, E: Effects, D: Detect<F>>(
 /// How many units can be traced in the time that a thread may be silent, if so many have taken so long.
 fn fitting(units: usize, time: Duration) -> usize {
     let fit = units as f64 * SILENCE.as_secs_f64() / time.as_secs_f64();
-    (fit as usize).clamp(1, TOGETHER)
+    (fit as usize).max(1)
 }
 
 /// Which units are still to be traced.
 struct Queue {
     units: usize,
     threads: usize,
-    /// Units taken, and units delivered.
-    state: Mutex<[usize; 2]>,
+    state: Mutex<Counts>,
     progress: Condvar,
+}
+
+/// How many units are taken, and how many of those are delivered.
+#[derive(Default)]
+struct Counts {
+    taken: usize,
+    delivered: usize,
 }
 
 impl Queue {
     fn new(units: usize, threads: usize) -> Self {
-        Self { units, threads, state: Mutex::new([0; 2]), progress: Condvar::new() }
+        Self { units, threads, state: Mutex::default(), progress: Condvar::new() }
     }
 
     /// The next units: not more than `most`, and so few that no thread is without work before the end. None if none is left.
     fn take(&self, most: usize) -> Range<usize> {
-        let is_ahead = |[taken, delivered]: &mut [usize; 2]| *taken < self.units && *taken > *delivered + AHEAD;
-        let waited = self.progress.wait_while(self.lock(), is_ahead);
-        let [taken, _] = &mut *waited.unwrap_or_else(PoisonError::into_inner);
-        let first = *taken;
-        *taken += most.min((self.units - first).div_ceil(2 * self.threads));
-        first..*taken
+        let is_ahead = |c: &mut Counts| c.taken < self.units && c.taken > c.delivered + AHEAD;
+        let counts = &mut *self.progress.wait_while(self.lock(), is_ahead).unwrap_or_else(PoisonError::into_inner);
+        let first = counts.taken;
+        counts.taken += most.min((self.units - first).div_ceil(2 * self.threads));
+        first..counts.taken
     }
 
     /// So many are delivered; unless it goes `on`, none is left.
-    fn delivered(&self, count: usize, go_on: bool) {
-        let mut state = self.lock();
-        state[1] = count;
-        if !go_on {
-            state[0] = self.units;
+    fn delivered(&self, count: usize, on: bool) {
+        let mut counts = self.lock();
+        counts.delivered = count;
+        if !on {
+            counts.taken = self.units;
         }
-        drop(state);
+        drop(counts);
         self.progress.notify_all();
     }
 
-    fn lock(&self) -> MutexGuard<'_, [usize; 2]> {
+    fn lock(&self) -> MutexGuard<'_, Counts> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -250,7 +258,7 @@ mod tests {
     #[test]
     fn a_stopped_queue_is_empty_and_nobody_waits_for_it() {
         let queue = Queue::new(10 * AHEAD, 1);
-        while queue.lock()[0] <= AHEAD {
+        while queue.lock().taken <= AHEAD {
             queue.take(TOGETHER);
         }
         std::thread::scope(|scope| {
@@ -264,7 +272,7 @@ mod tests {
     fn no_thread_is_silent_for_long() {
         assert_eq!(fitting(1, SILENCE / 3), 3);
         assert_eq!(fitting(4, 100 * SILENCE), 1);
-        assert_eq!(fitting(4, Duration::ZERO), TOGETHER);
+        assert_eq!(fitting(4, Duration::ZERO), usize::MAX);
     }
 
     #[test]
