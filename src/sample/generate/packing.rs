@@ -85,9 +85,8 @@ pub fn insert(slab: &Slab, radii: &[f64], seed: u64) -> Result<Vec<DVec3>, Packi
             (0..count).map(|_| low + span * DVec3::new(rng.random(), rng.random(), rng.random())).collect();
         let mut begin = 0;
         for i in free(slab, &balls, radius, &tries) {
-            let meets = |b: &Ball| slab.distance_squared(tries[i], b.place) < (radius + b.radius).powi(2);
             let may = failed + (i - begin) < TRIES && balls.placed().len() < radii.len();
-            if may && !balls.any_near(tries[i], placed, meets) {
+            if may && !balls.any_near(tries[i], placed, meets(slab, tries[i], radius)) {
                 balls.push(tries[i]);
                 (failed, begin) = (0, i + 1);
             }
@@ -103,13 +102,15 @@ pub fn insert(slab: &Slab, radii: &[f64], seed: u64) -> Result<Vec<DVec3>, Packi
     Ok(balls.placed().to_vec())
 }
 
+/// Whether a ball is met by one of this radius at `p`.
+fn meets(slab: &Slab, p: DVec3, radius: f64) -> impl Fn(&Ball) -> bool {
+    move |ball| slab.distance_squared(p, ball.place) < (radius + ball.radius).powi(2)
+}
+
 /// Which of these places are free for a ball of this radius, ascending. What is taken now will not be free later, so this can
 /// be asked of many tries before the first of them is placed.
 fn free(slab: &Slab, balls: &Balls<'_>, radius: f64, tries: &[DVec3]) -> Vec<usize> {
-    let is_free = |p: DVec3| {
-        let meets = |b: &Ball| slab.distance_squared(p, b.place) < (radius + b.radius).powi(2);
-        !balls.any_near(p, 0, meets)
-    };
+    let is_free = |p: DVec3| !balls.any_near(p, 0, meets(slab, p, radius));
     if tries.len() < MANY {
         return (0..tries.len()).filter(|&i| is_free(tries[i])).collect();
     }
