@@ -182,8 +182,9 @@ const HEAD: &str = "# How time and memory grow
 This page and the files beside it are made by `cargo run --release --example growth` (two threads, the best of three; of 10⁷
 spheres once; 6 minutes). *Build* is the sample, the accelerator and the plan with its pilots, once per measurement, but not the
 places of randomly inserted spheres; *tree* is the time of a tree of rays. The slope is the power with which the last step grows:
-1 is linear, 0 does not depend on it. Memory is what the measurement holds at most beyond what the program held before. How near
-tracing is to what the accelerator alone can do is printed by `cargo bench --bench limit`.
+1 is linear, 0 does not depend on it. Memory is what the measurement holds at most beyond what the program held before; what a
+larger one before it has given back is used again and does not show, so that only the spheres, which come first, tell how memory
+grows. How near tracing is to what the accelerator alone can do is printed by `cargo bench --bench limit`.
 ";
 
 fn main() -> std::io::Result<()> {

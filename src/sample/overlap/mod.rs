@@ -30,7 +30,7 @@ const MOST_TOLD: usize = 5;
 const ENOUGH: usize = 1000;
 
 /// Bodies that are searched at once before it is asked whether there are enough.
-const AT_ONCE: usize = 1 << 12;
+const AT_ONCE: usize = 1 << 8;
 
 /// Two solids and a point inside both, µm.
 type Overlap = ([u32; 2], DVec3);
@@ -139,14 +139,14 @@ impl<'a> Scene<'a> {
         for first in (0..count).step_by(AT_ONCE) {
             let some = (first..count.min(first + AT_ONCE)).into_par_iter();
             found.par_extend(some.flat_map_iter(|i| self.overlapping(i, &grid)));
-            if found.len() > ENOUGH {
+            if found.len() >= ENOUGH {
                 break;
             }
         }
         found
     }
 
-    /// Overlaps of a body with later ones.
+    /// Overlaps of a body with later ones, as many as are enough.
     fn overlapping(&self, i: usize, grid: &Pairs<'_>) -> Vec<Overlap> {
         let a = &self.bodies[i];
         let mut rivals = Vec::new();
@@ -160,7 +160,7 @@ impl<'a> Scene<'a> {
         rivals.dedup();
         let owners = |b: &Body| [a.owner.min(b.owner), a.owner.max(b.owner)];
         let overlap = |b: &Body| Some((owners(b), self.common(a, b)?));
-        rivals.into_iter().filter_map(|j| overlap(&self.bodies[j])).collect()
+        rivals.into_iter().filter_map(|j| overlap(&self.bodies[j])).take(ENOUGH).collect()
     }
 
     /// Whether bounds overlap and do not only touch.

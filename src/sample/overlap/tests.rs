@@ -35,6 +35,17 @@ fn overlaps(bases: Vec<Base>, cell: &Cell) -> Vec<Problem> {
     problems(&shapes, &solids, cell)
 }
 
+/// Millions of pairs would take minutes and gigabytes, to be told as a number.
+#[test]
+fn of_many_bodies_in_one_place_some_are_enough() {
+    let count = 1500;
+    let ball = Base::Shape(Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }));
+    let shapes: Vec<(Base, u32)> = (0..count).map(|i| (ball.clone(), i)).collect();
+    let solids = vec![solid("ball"); count as usize];
+    let found = Scene::new(&shapes, &solids, &open_cell()).overlapping_bodies().len();
+    assert!((ENOUGH..=AT_ONCE * ENOUGH).contains(&found), "{found}");
+}
+
 /// Random bodies of a size of about 1.
 struct Bodies(Xoshiro256PlusPlus);
 
