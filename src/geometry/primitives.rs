@@ -434,6 +434,19 @@ impl Primitives {
         first.0
     }
 
+    /// A sphere with this surface: its index and id. There may be others, equal to it; then it may not be found.
+    #[inline]
+    pub fn sphere_with(&self, surface: SurfaceId) -> Option<(usize, PrimId)> {
+        let i = (surface.0 as usize).wrapping_sub(self.planes.len() + 1);
+        self.spheres.tags.get(i).filter(|tag| tag.surfaces == [surface]).map(|_| (i, self.sphere(i)))
+    }
+
+    /// The id of sphere `i`.
+    #[inline]
+    pub fn sphere(&self, i: usize) -> PrimId {
+        PrimId((self.triangles.len() + i) as u32)
+    }
+
     /// Offers the crossing with triangle `i`, whose id is `prim`.
     #[inline]
     pub fn propose_triangle(&self, query: &Query, i: usize, prim: PrimId, sink: &mut impl Sink) {

@@ -175,7 +175,7 @@ impl Accelerator {
             Self::Embree(e) => e.nearest(queries, which, coherence, answers),
             #[cfg(feature = "obvhs")]
             Self::Obvhs(o) => which.iter().for_each(|&i| o.propose(primitives, &queries[i], &mut answers[i])),
-            Self::Grid(g) => which.iter().for_each(|&i| g.propose(primitives, &queries[i], &mut answers[i])),
+            Self::Grid(g) => g.nearest(primitives, queries, which, answers),
             Self::Brute => which.iter().for_each(|&i| brute::propose(primitives, &queries[i], &mut answers[i])),
         }
     }

@@ -1,5 +1,7 @@
 //! One plane interface.
 
+use std::hint::select_unpredictable;
+
 use super::{C64, Coefficients, Pair, outgoing_root};
 
 /// What the interface between two transparent media does to light from the first.
@@ -66,12 +68,9 @@ impl Dielectric {
 /// else from the tangential wave number.
 #[inline]
 fn normal_index_squared(n1: f64, n2: f64, cos: f64, sin: f64) -> f64 {
-    if cos * cos < 0.5 {
-        (n2 - n1) * (n2 + n1) + (n1 * cos) * (n1 * cos)
-    } else {
-        let kx = n1 * sin;
-        (n2 - kx) * (n2 + kx)
-    }
+    let (q1, kx) = (n1 * cos, n1 * sin);
+    let (by_indices, by_wave_number) = ((n2 - n1) * (n2 + n1) + q1 * q1, (n2 - kx) * (n2 + kx));
+    select_unpredictable(cos * cos < 0.5, by_indices, by_wave_number)
 }
 
 /// Cosine of the angle of refraction; `None` in total reflection.

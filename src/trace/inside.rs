@@ -21,12 +21,12 @@ impl Clone for Inside {
         out
     }
 
-    /// Copies only what is there: most rays are inside of one body or none, and this happens at every interface.
+    /// Copies one where that is all: most rays are inside of one body or none, and this happens at every interface.
     #[inline]
     fn clone_from(&mut self, other: &Self) {
-        self.len = other.len;
-        for i in 0..(other.len as usize).min(DEEPEST) {
-            self.solids[i] = other.solids[i];
+        (self.len, self.solids[0]) = (other.len, other.solids[0]);
+        if self.len > 1 {
+            self.solids = other.solids;
         }
     }
 }

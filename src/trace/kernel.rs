@@ -84,25 +84,17 @@ impl<'a> Kernel<'a> {
             return (f64::INFINITY, Border::Out);
         }
         let (low, high) = cell.heights;
-        let up = match ray.dir.z {
-            z if z > 0.0 => (high - ray.origin.z) / z,
-            z if z < 0.0 => (low - ray.origin.z) / z,
-            _ => f64::INFINITY,
-        };
-        let mut nearest = (up, Border::Out);
-        let seam = cell.seam();
-        for axis in 0..2 {
-            let d = ray.dir[axis];
-            if d != 0.0 {
-                let t = (seam[axis].copysign(d) - ray.origin[axis]) / d;
-                if t < nearest.0 {
-                    let mut shift = [0, 0];
-                    shift[axis] = if d > 0.0 { -1 } else { 1 };
-                    nearest = (t, Border::Seam(shift));
-                }
-            }
+        // Nobody can foretell where a ray goes, so all three are computed.
+        let forward = ray.dir.cmpgt(DVec3::ZERO);
+        let ends = DVec3::select(forward, cell.seam().extend(high), (-cell.seam()).extend(low));
+        let t = DVec3::select(ray.dir.cmpeq(DVec3::ZERO), DVec3::INFINITY, (ends - ray.origin) / ray.dir);
+        let t = [t.x, t.y, t.z];
+        let seam = t[0].min(t[1]);
+        if t[2] <= seam {
+            return (t[2], Border::Out);
         }
-        nearest
+        let back = |axis: usize| if ray.dir[axis] > 0.0 { -1 } else { 1 };
+        (seam, Border::Seam(if t[0] <= t[1] { [back(0), 0] } else { [0, back(1)] }))
     }
 
     /// Where a ray leaves a convex body with nothing in it, if it is in one and leaves it within the seams.

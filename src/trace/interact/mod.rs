@@ -263,12 +263,16 @@ impl<F: Field, E: Effects, R: Recorder<F>> Partition<'_, '_, F, E, R> {
     }
 
     /// Tells of a ray that meets a narrow face for the first time.
-    #[inline]
+    #[inline(always)]
     fn doubt(&mut self) {
-        let doubtful = &mut self.stream.flights[self.slot].doubtful;
-        if self.interface.narrow && !std::mem::replace(doubtful, true) {
-            self.stream.loads(self.slot).for_each(|(lane, field)| self.recorder.doubt(lane, field.power()));
+        if self.interface.narrow && !std::mem::replace(&mut self.stream.flights[self.slot].doubtful, true) {
+            self.tell_doubt();
         }
+    }
+
+    #[cold]
+    fn tell_doubt(&mut self) {
+        self.stream.loads(self.slot).for_each(|(lane, field)| self.recorder.doubt(lane, field.power()));
     }
 
     /// Whether the interface is plane.
