@@ -153,6 +153,10 @@ fn cases() -> Vec<Case> {
                     let node = DVec3::new(f64::from(i % 7), f64::from(i / 7 % 7), f64::from(i / 49)) - 3.0;
                     let radius = if i % 3 == 0 { 0.5 } else { 0.25 + 0.25 * rng.random::<f64>() };
                     b.add(Shape::Sphere(Sphere { center: node, radius }), i as u32);
+                    if i % 50 == 0 {
+                        // A coincident twin.
+                        b.add(Shape::Sphere(Sphere { center: node, radius }), 1000 + i as u32);
+                    }
                 }
             },
         ),
@@ -247,7 +251,7 @@ fn query(case: &Case, aimed: bool, rng: &mut Xoshiro256PlusPlus) -> Query {
     q
 }
 
-/// Asks all backends; then, for those that hit, goes on from the surface met into a new direction.
+/// Asks all backends; then, for those that hit, goes on from the surface met into a new direction, or straight on.
 fn compare(case: &Case, brute: &Scene, others: &[Scene], queries: &[Query]) -> usize {
     let mut leaving = Vec::new();
     for (nearest, q) in agreed(case, brute, others, queries).iter().zip(queries) {
@@ -258,7 +262,7 @@ fn compare(case: &Case, brute: &Scene, others: &[Scene], queries: &[Query]) -> u
         assert!((n.length() - 1.0).abs() < 1e-12);
         assert!(n.dot(q.ray.dir) <= 1e-7 || !c.enters, "{}: normal points inwards", case.name);
         let reflected = q.ray.dir - 2.0 * q.ray.dir.dot(n) * n;
-        let ray = Ray { origin: p, dir: reflected.normalize() };
+        let ray = Ray { origin: p, dir: if leaving.len() % 2 == 0 { reflected.normalize() } else { q.ray.dir } };
         leaving.push(case.primitives.query_leaving(ray, order.surface).within(q.limit));
     }
     agreed(case, brute, others, &leaving);
