@@ -2,6 +2,8 @@
 //! their edges, again and again. From level 1 on the equator is a union of edges, so no facet sees both
 //! reflection and transmission.
 
+use std::hint::select_unpredictable as unforeseen;
+
 use glam::DVec3;
 
 /// A facet: its level and its number there, `20·4^level` in all. The children of `code` are `4·code + 0..4`.
@@ -134,22 +136,26 @@ impl Locator {
 
     /// Number of the facet that holds a direction (of any length).
     pub fn code(&self, dir: DVec3) -> u32 {
-        let mut code = 0;
-        let mut best = f64::NEG_INFINITY;
-        for (i, center) in self.centers.iter().enumerate() {
-            let d = center.dot(dir);
-            if d > best {
-                (best, code) = (d, i as u32);
-            }
-        }
+        let mut code = self.root(dir);
         let mut first = 0;
         for level in 0..self.level {
-            let cuts = &self.cuts[(first + code) as usize];
-            let part = cuts.iter().position(|n| n.dot(dir) > 0.0).unwrap_or(3);
+            let beyond = self.cuts[(first + code) as usize].map(|n| n.dot(dir) > 0.0);
+            let part = unforeseen(beyond[0], 0, unforeseen(beyond[1], 1, unforeseen(beyond[2], 2, 3)));
             first += count(level);
-            code = 4 * code + part as u32;
+            code = 4 * code + part;
         }
         code
+    }
+
+    /// The facet of level 0 whose centre is nearest, or the first of them.
+    #[inline(always)]
+    fn root(&self, dir: DVec3) -> u32 {
+        // Neighbours first, then the winners: few comparisons wait for each other.
+        let nearer = |a: (f64, u32), b: (f64, u32)| unforeseen(b.0 > a.0, b, a);
+        let at = |i: usize| (self.centers[i].dot(dir), i as u32);
+        let pairs: [_; 10] = std::array::from_fn(|i| nearer(at(2 * i), at(2 * i + 1)));
+        let fours: [_; 5] = std::array::from_fn(|i| nearer(pairs[2 * i], pairs[2 * i + 1]));
+        fours.into_iter().fold((f64::NEG_INFINITY, 0), nearer).1
     }
 }
 

@@ -9,26 +9,28 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::Ray;
 use obvhs::{BvhBuildParams, traverse};
 
-use super::proxy::Proxy;
-use crate::geometry::{PrimId, Primitives, Query, Sink};
+use super::proxy::{Patches, Proxy};
+use crate::geometry::{Kind, PrimId, Primitives, Query, Sink};
 
 /// A built hierarchy.
 pub struct Obvhs {
     bvh: CwBvh,
     proxy: Proxy,
+    /// The first boxes are theirs.
+    patches: Patches,
 }
 
 impl Obvhs {
     /// Builds over the bounded primitives.
     pub fn new(primitives: &Primitives, proxy: Proxy) -> Self {
-        let boxes: Vec<Aabb> = (0..primitives.bounded_count() as u32)
-            .map(|id| {
-                let [min, max] = proxy.bounds(primitives, PrimId(id));
-                Aabb::new(Vec3A::from(min), Vec3A::from(max))
-            })
-            .collect();
+        let patches = Patches::new(primitives);
+        let aabb = |[min, max]: [[f32; 3]; 2]| Aabb::new(Vec3A::from(min), Vec3A::from(max));
+        let of_patches = (0..patches.len()).map(|i| proxy.around(patches.bounds(primitives, i)));
+        let others = (primitives.count(Kind::Triangle)..primitives.bounded_count())
+            .map(|id| proxy.bounds(primitives, PrimId(id as u32)));
+        let boxes: Vec<Aabb> = of_patches.chain(others).map(aabb).collect();
         let bvh = build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
-        Self { bvh, proxy }
+        Self { bvh, proxy, patches }
     }
 
     /// Offers the crossings of the primitives whose boxes the ray meets.
@@ -43,8 +45,15 @@ impl Obvhs {
         let mut state = self.bvh.new_traversal(ray.direction);
         let mut node;
         traverse!(self.bvh, node, state, node.intersect_ray(&ray, state.oct_inv4), {
-            let id = self.bvh.primitive_indices[state.primitive_id as usize];
-            primitives.propose(query, PrimId(id), sink);
+            let id = self.bvh.primitive_indices[state.primitive_id as usize] as usize;
+            if id < self.patches.len() {
+                for i in self.patches.triangles(id) {
+                    primitives.propose_triangle(query, i, PrimId(i as u32), sink);
+                }
+            } else {
+                let prim = primitives.count(Kind::Triangle) + id - self.patches.len();
+                primitives.propose(query, PrimId(prim as u32), sink);
+            }
             ray.tmax = self.proxy.reach(sink.horizon(), &proxy);
         });
     }

@@ -29,6 +29,8 @@ pub struct Tracer<'k, 'a, F: Field, E> {
     asked: Vec<Slot>,
     next: Vec<Slot>,
     ready: Vec<Slot>,
+    /// Rays that have left.
+    left: Vec<Slot>,
     keys: Vec<TreeKey>,
     /// Where each tree entered, µm.
     anchors: Vec<DVec3>,
@@ -50,6 +52,7 @@ impl<'k, 'a, F: Field, E: Effects> Tracer<'k, 'a, F, E> {
             asked: Vec::new(),
             next: Vec::new(),
             ready: Vec::new(),
+            left: Vec::new(),
             keys: Vec::new(),
             anchors: Vec::new(),
             first_tree: 0,
@@ -83,6 +86,11 @@ impl<'k, 'a, F: Field, E: Effects> Tracer<'k, 'a, F, E> {
                 self.resolve(self.asked[i], recorder);
                 self.go_on(recorder);
             }
+            // All at once: a dome is large, and while one ray waits for its facet others can look for theirs.
+            for i in 0..self.left.len() {
+                self.exit(self.left[i], recorder);
+            }
+            self.left.clear();
             std::mem::swap(&mut self.asked, &mut self.next);
             self.next.clear();
         }
@@ -248,7 +256,7 @@ impl<'k, 'a, F: Field, E: Effects> Tracer<'k, 'a, F, E> {
     /// The end of a way on which nothing is met.
     fn reach_border(&mut self, slot: Slot, recorder: &mut impl Recorder<F>) {
         match self.stream.flights[slot].border {
-            Border::Out => self.exit(slot, recorder),
+            Border::Out => self.left.push(slot),
             Border::Seam(shift) => self.wrap(slot, shift, recorder),
         }
     }

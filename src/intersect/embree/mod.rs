@@ -19,7 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use self::sys::{RTCBoundsFunctionArguments, RTCIntersectFunctionNArguments, RTCRayHit};
 use super::Coherence;
-use super::proxy::{Proxy, ProxyRay};
+use super::proxy::{Patches, Proxy, ProxyRay};
 use crate::geometry::{All, Kind, Nearest, PrimId, Primitives, Query, Sink};
 
 /// Version of the header this build was made with, as `3.13.5`.
@@ -139,6 +139,23 @@ struct Geometry {
     proxy: Proxy,
     kind: Kind,
     first: u32,
+    /// What Embree takes for one primitive, if these are triangles.
+    patches: Patches,
+}
+
+impl Geometry {
+    /// Primitives as Embree sees them.
+    fn count(&self) -> usize {
+        if self.kind == Kind::Triangle { self.patches.len() } else { self.primitives.count(self.kind) }
+    }
+
+    /// Box of one.
+    fn bounds(&self, index: u32) -> [[f32; 3]; 2] {
+        if self.kind == Kind::Triangle {
+            return self.proxy.around(self.patches.bounds(&self.primitives, index as usize));
+        }
+        self.proxy.bounds(&self.primitives, PrimId(self.first + index))
+    }
 }
 
 /// What the callbacks need of one call: the questions, and where answers go.
@@ -176,7 +193,13 @@ impl Embree {
         let geometries: Box<[_]> = Kind::BOUNDED
             .into_iter()
             .filter(|&kind| primitives.count(kind) > 0)
-            .map(|kind| Geometry { primitives: primitives.clone(), proxy, kind, first: primitives.first(kind).0 })
+            .map(|kind| Geometry {
+                primitives: primitives.clone(),
+                proxy,
+                kind,
+                first: primitives.first(kind).0,
+                patches: if kind == Kind::Triangle { Patches::new(primitives) } else { Patches::default() },
+            })
             .collect();
         // SAFETY: the device is valid.
         let raw = unsafe { sys::rtcNewScene(device.raw) };
@@ -197,7 +220,6 @@ impl Embree {
     }
 
     fn attach(&self, geometry: &Geometry, id: u32) {
-        let count = geometry.primitives.count(geometry.kind) as u32;
         let intersect = match geometry.kind {
             Kind::Triangle => intersect::<{ Kind::Triangle as u8 }>,
             Kind::Sphere => intersect::<{ Kind::Sphere as u8 }>,
@@ -209,7 +231,7 @@ impl Embree {
         // signatures Embree asks for and take the user pointer for what it is.
         unsafe {
             let raw = sys::rtcNewGeometry(self._device.raw, sys::RTC_GEOMETRY_TYPE_USER);
-            sys::rtcSetGeometryUserPrimitiveCount(raw, count);
+            sys::rtcSetGeometryUserPrimitiveCount(raw, geometry.count() as u32);
             sys::rtcSetGeometryUserData(raw, user.cast_mut().cast());
             sys::rtcSetGeometryBoundsFunction(raw, Some(bounds), ptr::null_mut());
             sys::rtcSetGeometryIntersectFunction(raw, Some(intersect));
@@ -312,7 +334,7 @@ impl Drop for Embree {
 unsafe extern "C" fn bounds(args: *const RTCBoundsFunctionArguments) {
     // SAFETY: Embree passes valid arguments; the user pointer is the Geometry of `attach`.
     let (args, geometry) = unsafe { (&*args, &*(*args).geometryUserPtr.cast::<Geometry>()) };
-    let [low, high] = geometry.proxy.bounds(&geometry.primitives, PrimId(geometry.first + args.primID));
+    let [low, high] = geometry.bounds(args.primID);
     // SAFETY: Embree provides the place for the answer.
     let out = unsafe { &mut *args.bounds_o };
     [out.lower_x, out.lower_y, out.lower_z] = low;
@@ -359,7 +381,11 @@ unsafe extern "C" fn intersect<const KIND: u8>(args: *const RTCIntersectFunction
 fn propose<const KIND: u8>(geometry: &Geometry, query: &Query, index: u32, sink: &mut impl Sink) {
     let (i, prim) = (index as usize, PrimId(geometry.first + index));
     match KIND {
-        k if k == Kind::Triangle as u8 => geometry.primitives.propose_triangle(query, i, prim, sink),
+        k if k == Kind::Triangle as u8 => {
+            for i in geometry.patches.triangles(i) {
+                geometry.primitives.propose_triangle(query, i, PrimId(i as u32), sink);
+            }
+        }
         k if k == Kind::Sphere as u8 => geometry.primitives.propose_sphere(query, i, prim, sink),
         k if k == Kind::Cylinder as u8 => geometry.primitives.propose_cylinder(query, i, prim, sink),
         _ => geometry.primitives.propose_cuboid(query, i, prim, sink),
