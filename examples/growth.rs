@@ -9,6 +9,7 @@
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 use std::time::Instant;
 
 use glam::{DVec2, DVec3};
@@ -21,7 +22,8 @@ use gonio_embree::sample::problem::Place;
 use gonio_embree::sample::{Description, Sample};
 use gonio_embree::units::significant;
 
-/// One measurement.
+/// One measurement, made by a process of its own: what others have given back would be used again, and hide what it needs.
+#[derive(Clone, Copy)]
 struct Point {
     /// What grows.
     size: f64,
@@ -29,7 +31,7 @@ struct Point {
     build: f64,
     /// Planning and tracing, s, per unit of work.
     trace: f64,
-    /// Greatest memory, MiB, above that of the program before.
+    /// Greatest memory, MiB, beyond that of the process with the description of the sample.
     memory: f64,
 }
 
@@ -37,9 +39,8 @@ struct Point {
 struct Series {
     name: &'static str,
     axis: &'static str,
-    /// What the time is of.
-    unit: &'static str,
-    points: Vec<Point>,
+    sizes: &'static [usize],
+    measure: fn(usize) -> Point,
 }
 
 fn light(nm: usize, incidences: usize, source: SourceMode) -> Light {
@@ -81,7 +82,7 @@ fn films(count: usize) -> Description {
     Description::from_text(&text).unwrap().0
 }
 
-/// Bytes of this program: now, or the most since it was last asked to forget.
+/// MiB of this process: now, or the most so far.
 fn memory(key: &str) -> f64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|l| l.strip_prefix(key));
@@ -94,82 +95,101 @@ const LARGE: f64 = 2e6;
 /// The best of three, or of one if large: work of `units` units.
 fn point(size: f64, description: &Description, light: &Light, settings: &Settings, units: f64) -> Point {
     let mut best = Point { size, build: f64::INFINITY, trace: f64::INFINITY, memory: 0.0 };
+    let before = memory("VmRSS:");
     for _ in 0..if size > LARGE { 1 } else { 3 } {
-        let _ = fs::write("/proc/self/clear_refs", "5");
-        let before = memory("VmRSS:");
         let start = Instant::now();
         let sample = Sample::new(description, &light.wavelengths, light.coherence()).unwrap();
         let read = start.elapsed().as_secs_f64();
         let outcome = measure(&sample, light, settings, |_| {}).unwrap();
         best.build = best.build.min(read + outcome.seconds - outcome.tracing_seconds);
         best.trace = best.trace.min(outcome.tracing_seconds / units);
-        best.memory = best.memory.max(memory("VmHWM:") - before);
+        best.memory = memory("VmHWM:") - before;
     }
-    println!("{size:>10} {:>9.4} s {:>10.3e} s {:>8.1} MiB", best.build, best.trace, best.memory);
     best
 }
 
-fn all() -> Vec<Series> {
-    let settings = |trees: u64| Settings { trees, ..Settings::default() };
-    let band = |nm, incidences| light(nm, incidences, SourceMode::Band);
-    let tree = |trees: u64, incidences: usize| (trees * incidences as u64) as f64;
-    let grow = |name, axis, unit, sizes: &[usize], of: &dyn Fn(usize) -> Point| {
-        println!("{name}");
-        Series { name, axis, unit, points: sizes.iter().map(|&n| of(n)).collect() }
-    };
-    let packing = spheres(3000, false);
-    let dispersing = spheres(3000, true);
-    vec![
-        grow("Spheres", "spheres", "tree", &[1000, 10_000, 100_000, 1_000_000, 10_000_000], &|n| {
-            point(n as f64, &spheres(n, false), &band(1, 1), &settings(50_000), tree(50_000, 1))
-        }),
-        grow("Films", "layers", "tree", &[1, 10, 100, 1000, 10_000], &|n| {
-            let line = light(16, 1, SourceMode::Line);
-            point(n as f64, &films(n), &line, &settings(50_000), tree(50_000, 1))
-        }),
-        grow("Wavelengths of a packing that disperses", "wavelengths", "tree", &[1, 4, 16, 64, 256, 400], &|n| {
-            point(n as f64, &dispersing, &band(n, 1), &settings(4000), tree(4000, 1))
-        }),
-        grow("Facets of the dome", "level", "tree", &[2, 3, 4, 5, 6, 7], &|n| {
+fn settings(trees: u64) -> Settings {
+    Settings { trees, ..Settings::default() }
+}
+
+fn band(nm: usize, incidences: usize) -> Light {
+    light(nm, incidences, SourceMode::Band)
+}
+
+const ALL: [Series; 5] = [
+    Series {
+        name: "Spheres",
+        axis: "spheres",
+        sizes: &[1000, 10_000, 100_000, 1_000_000, 10_000_000],
+        measure: |n| point(n as f64, &spheres(n, false), &band(1, 1), &settings(50_000), 50_000.0),
+    },
+    Series {
+        name: "Films",
+        axis: "layers",
+        sizes: &[1, 10, 100, 1000, 10_000],
+        measure: |n| point(n as f64, &films(n), &light(16, 1, SourceMode::Line), &settings(50_000), 50_000.0),
+    },
+    Series {
+        name: "Wavelengths of a packing that disperses",
+        axis: "wavelengths",
+        sizes: &[1, 4, 16, 64, 256, 400],
+        measure: |n| point(n as f64, &spheres(3000, true), &band(n, 1), &settings(4000), 4000.0),
+    },
+    Series {
+        name: "Facets of the dome",
+        axis: "facets",
+        sizes: &[2, 3, 4, 5, 6, 7],
+        measure: |n| {
             let settings = Settings { dome_level: n as u8, ..settings(50_000) };
-            let facets = 20.0 * 4f64.powi(n as i32);
-            point(facets, &packing, &band(16, 1), &settings, tree(50_000, 1))
-        }),
-        grow("Incidences", "incidences", "tree", &[1, 5, 20, 100, 500], &|n| {
-            point(n as f64, &packing, &band(1, n), &settings(2000), tree(2000, n))
-        }),
-    ]
+            point(20.0 * 4f64.powi(n as i32), &spheres(3000, false), &band(16, 1), &settings, 50_000.0)
+        },
+    },
+    Series {
+        name: "Incidences",
+        axis: "incidences",
+        sizes: &[1, 5, 20, 100, 500],
+        measure: |n| point(n as f64, &spheres(3000, false), &band(1, n), &settings(2000), 2000.0 * n as f64),
+    },
+];
+
+/// Measures a point of a series in another process.
+fn apart(series: usize, size: usize) -> std::io::Result<Point> {
+    let out = Command::new(std::env::current_exe()?).args([series, size].map(|n| n.to_string())).output()?;
+    let text = String::from_utf8_lossy(&out.stdout);
+    let numbers: Vec<f64> = text.split_whitespace().filter_map(|x| x.parse().ok()).collect();
+    let &[size, build, trace, memory] = &numbers[..] else {
+        return Err(std::io::Error::other(String::from_utf8_lossy(&out.stderr).into_owned()));
+    };
+    println!("{size:>10} {build:>9.4} s {trace:>10.3e} s {memory:>8.1} MiB");
+    Ok(Point { size, build, trace, memory })
 }
 
 type Of = fn(&Point) -> f64;
 
-/// A slope; none where too little was measured, such as memory that was there before.
+/// A slope; none where too little was measured.
 fn told(slope: f64) -> String {
     if slope.is_finite() { format!("{slope:.2}") } else { "–".into() }
 }
 
 /// How a quantity grows from the last size but one to the last: the power of the size.
-fn slope(series: &Series, of: Of) -> f64 {
-    let [.., a, b] = &series.points[..] else { return f64::NAN };
+fn slope(points: &[Point], of: Of) -> f64 {
+    let [.., a, b] = points else { return f64::NAN };
     (of(b) / of(a)).ln() / (b.size / a.size).ln()
 }
 
-fn plot(series: &Series) -> String {
-    let x: Vec<f64> = series.points.iter().map(|p| p.size.log10()).collect();
+fn plot(series: &Series, points: &[Point]) -> String {
+    let x: Vec<f64> = points.iter().map(|p| p.size.log10()).collect();
     let panel = |title: &str, y_name: &str, curves: Vec<(&str, Of)>| Panel {
         title: title.into(),
         x_name: format!("log10 of the number of {}", series.axis),
         y_name: y_name.into(),
         is_log: true,
-        y_range: Some(range(curves.iter().flat_map(|(_, of)| series.points.iter().map(of)))),
-        curves: curves
-            .into_iter()
-            .map(|(name, of)| Curve::exact(name, x.clone(), series.points.iter().map(of)))
-            .collect(),
+        y_range: Some(range(curves.iter().flat_map(|(_, of)| points.iter().map(of)))),
+        curves: curves.into_iter().map(|(name, of)| Curve::exact(name, x.clone(), points.iter().map(of))).collect(),
     };
     let time: Vec<(&str, Of)> =
         vec![("sample, accelerator, plan", |p| p.build), ("a million trees traced", |p| 1e6 * p.trace)];
-    panels(series.name, &[panel("time", "s", time), panel("memory", "MiB", vec![("", |p| p.memory.max(0.1))])])
+    panels(series.name, &[panel("time", "s", time), panel("memory", "MiB", vec![("", |p| p.memory)])])
 }
 
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -181,30 +201,37 @@ const HEAD: &str = "# How time and memory grow
 
 This page and the files beside it are made by `cargo run --release --example growth` (two threads, the best of three; of 10⁷
 spheres once; 6 minutes). *Build* is the sample, the accelerator and the plan with its pilots, once per measurement, but not the
-places of randomly inserted spheres; *tree* is the time of a tree of rays. The slope is the power with which the last step grows:
-1 is linear, 0 does not depend on it. Memory is what the measurement holds at most beyond what the program held before; what a
-larger one before it has given back is used again and does not show, so that only the spheres, which come first, tell how memory
-grows. How near tracing is to what the accelerator alone can do is printed by `cargo bench --bench limit`.
+places of randomly inserted spheres; *tree* is the time of a tree of rays. Memory is what the measurement holds at most, without
+the program itself and the description of the sample. The slope is the power with which the last step grows: 1 is linear, 0 does
+not depend on it. How near tracing is to what the accelerator alone can do is printed by `cargo bench --bench limit`.
 ";
 
 fn main() -> std::io::Result<()> {
+    let asked: Vec<usize> = std::env::args().skip(1).filter_map(|n| n.parse().ok()).collect();
+    if let [series, size] = asked[..] {
+        let Point { size, build, trace, memory } = (ALL[series].measure)(size);
+        println!("{size} {build} {trace} {memory}");
+        return Ok(());
+    }
     let out = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/performance");
     fs::create_dir_all(&out)?;
     let mut page = String::from(HEAD);
-    for series in all() {
+    for (number, series) in ALL.iter().enumerate() {
+        println!("{}", series.name);
+        let points = series.sizes.iter().map(|&size| apart(number, size)).collect::<Result<Vec<Point>, _>>()?;
         let file = series.name.split(' ').next().unwrap_or_default().to_lowercase();
-        fs::write(out.join(format!("{file}.svg")), plot(&series))?;
+        fs::write(out.join(format!("{file}.svg")), plot(series, &points))?;
         let _ = write!(
             page,
-            "\n## {}\n\n![{0}](performance/{file}.svg)\n\n| {} | build / s | {} / µs | memory / MiB |\n|--:|--:|--:|--:|\n",
-            series.name, series.axis, series.unit
+            "\n## {}\n\n![{0}](performance/{file}.svg)\n\n| {} | build / s | tree / µs | memory / MiB |\n|--:|--:|--:|--:|\n",
+            series.name, series.axis
         );
-        for p in &series.points {
+        for p in &points {
             let [build, trace, memory] = [p.build, 1e6 * p.trace, p.memory].map(|x| significant(x, 3));
             let _ = writeln!(page, "| {} | {build} | {trace} | {memory} |", p.size);
         }
-        let [build, trace, memory] =
-            [slope(&series, |p| p.build), slope(&series, |p| p.trace), slope(&series, |p| p.memory)].map(told);
+        let of: [Of; 3] = [|p| p.build, |p| p.trace, |p| p.memory];
+        let [build, trace, memory] = of.map(|of| told(slope(&points, of)));
         let _ = writeln!(page, "| *slope* | {build} | {trace} | {memory} |");
     }
     fs::write(out.with_extension("md"), page)

@@ -121,7 +121,7 @@ pub struct Setup {
     #[arg(long, default_value_t = Limits::default().depth, value_name = "N", help_heading = "Work",
           value_parser = clap::value_parser!(u32).range(1..))]
     depth: u32,
-    /// Who intersects: auto, embree, obvhs, grid (dense packings of spheres) or brute
+    /// Who intersects: auto, embree, obvhs, grid (packings of spheres) or brute
     #[arg(long, default_value = "auto", help_heading = "Work")]
     backend: Backend,
     /// Threads; results do not depend on it [default: all cores]

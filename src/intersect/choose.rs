@@ -24,7 +24,7 @@ pub enum Backend {
     Embree,
     /// The crate obvhs.
     Obvhs,
-    /// Cells of equal size; for dense packings of spheres only.
+    /// Cells of equal size; for packings of spheres only.
     Grid,
     /// Every primitive is asked.
     Brute,
@@ -122,7 +122,7 @@ impl fmt::Display for BackendError {
                 }
             }
             Self::NotForThis(b) => {
-                write!(f, "backend `{b}` is for dense packings of spheres of similar size only; give --backend auto")
+                write!(f, "backend `{b}` is for spheres alone, many and everywhere alike; give --backend auto")
             }
             Self::Library(why) => f.write_str(why),
         }

@@ -1,4 +1,4 @@
-//! Backend for dense packings of spheres of similar size: cubic cells, through which a ray goes one by one (Amanatides and
+//! Backend for packings of spheres: cubic cells, through which a ray goes one by one (Amanatides and
 //! Woo, *A Fast Voxel Traversal Algorithm for Ray Tracing*, Eurographics 1987). Where the next sphere is only some radii away, a
 //! hierarchy takes longer to find where to begin than this takes to arrive.
 
@@ -17,12 +17,13 @@ const CROWD: f64 = 6.0;
 const PAD: f64 = 1e-6;
 /// Spheres are taken to be larger by this part of the greatest extent of all, some times what single precision can err.
 const MARGIN: f64 = 4e-6;
-/// Fewest and most spheres, greatest ratio of their radii, and least share of their box that they fill, for this to be the fastest
-/// (`cargo bench --bench end_to_end`): 1.1 to 1.5 times as fast as a hierarchy. Beyond, both are equal.
-const FEWEST: usize = 200;
-const MOST: usize = 100_000;
-const MOST_UNLIKE: f64 = 3.0;
-const LEAST_FILLED: f64 = 0.1;
+/// Fewest spheres, greatest ratio of their radii, least share of their room that they fill, and how much more of them are around
+/// one of them than around a place of the room, for this to be the fastest: from as fast as a hierarchy, where they are that
+/// few, to 1.5 times as fast (`cargo bench --bench end_to_end`).
+const FEWEST: usize = 64;
+const MOST_UNLIKE: f64 = 30.0;
+const LEAST_FILLED: f64 = 0.002;
+const MOST_BUNCHED: f64 = 2.0;
 
 /// A built grid.
 pub struct Grid {
@@ -110,12 +111,14 @@ impl Block {
 /// Whether a grid is the fastest for what is in `domain`.
 pub fn is_best(primitives: &Primitives, domain: Aabb) -> bool {
     let count = primitives.count(Kind::Sphere);
-    if !(FEWEST..=MOST).contains(&count) || count != primitives.bounded_count() {
+    if count < FEWEST || count != primitives.bounded_count() {
         return false;
     }
     let radii = boxes(primitives).map(|b| radius(&b));
     let (least, most) = radii.fold((f64::INFINITY, 0.0f64), |(least, most), r| (least.min(r), most.max(r)));
-    most <= MOST_UNLIKE * least && share_filled(primitives, domain) >= LEAST_FILLED
+    most <= MOST_UNLIKE * least
+        && Crowd::new(primitives, domain).filled() >= LEAST_FILLED
+        && bunched(primitives, domain) <= MOST_BUNCHED
 }
 
 /// The boxes around the spheres, in order.
@@ -127,32 +130,68 @@ fn radius(bounds: &Aabb) -> f64 {
     0.5 * bounds.size().x
 }
 
-/// How much of the room they are in the spheres take.
-fn share_filled(primitives: &Primitives, domain: Aabb) -> f64 {
-    let room = boxes(primitives).fold(Aabb::EMPTY, Aabb::union).intersection(domain);
-    let spheres: f64 = boxes(primitives).map(|b| 4.0 / 3.0 * PI * radius(&b).powi(3)).sum();
-    spheres / room.size().element_product()
+/// Spheres per cell when it is judged whether they are everywhere alike.
+const SAMPLED: f64 = 32.0;
+
+/// The spheres of a sample as a whole.
+struct Crowd {
+    /// How many, per µm³ of the room they are in.
+    density: f64,
+    /// Means of the radius, of its square, and of its cube.
+    radius: [f64; 3],
 }
 
-/// The edge of a cell, in radii, into which [`CROWD`] of equal spheres reach.
-fn edge(share_filled: f64) -> f64 {
-    let per_room = share_filled / (4.0 / 3.0 * PI);
-    // The places of centres: the cell, grown by a radius.
-    let crowd = |e: f64| per_room * (e.powi(3) + 6.0 * e.powi(2) + 3.0 * PI * e + 4.0 / 3.0 * PI);
-    let mut edge = 1.0;
-    while crowd(edge) < CROWD {
-        edge *= 1.05;
+/// The room the spheres are in.
+fn room(primitives: &Primitives, domain: Aabb) -> Aabb {
+    boxes(primitives).fold(Aabb::EMPTY, Aabb::union).intersection(domain)
+}
+
+/// How many spheres are around one of them, over how many are around a place of the room: 1 if they are everywhere alike.
+fn bunched(primitives: &Primitives, domain: Aabb) -> f64 {
+    let room = room(primitives, domain);
+    let edge = (room.size().element_product() * SAMPLED / primitives.count(Kind::Sphere) as f64).cbrt();
+    let cells = (room.size() / edge).ceil().max(DVec3::ONE).as_usizevec3();
+    let per_size = cells.as_dvec3() / room.size();
+    let mut spheres = vec![0u32; cells.element_product()];
+    for center in boxes(primitives).map(|b| b.center()).filter(|&c| room.contains(c)) {
+        let cell = ((center - room.min) * per_size).as_usizevec3().min(cells - 1);
+        spheres[(cell.z * cells.y + cell.y) * cells.x + cell.x] += 1;
     }
-    edge
+    let sum = |power| spheres.iter().map(|&n| f64::from(n).powi(power)).sum::<f64>();
+    sum(2) * spheres.len() as f64 / sum(1).powi(2)
+}
+
+impl Crowd {
+    fn new(primitives: &Primitives, domain: Aabb) -> Self {
+        let room = room(primitives, domain);
+        let count = primitives.count(Kind::Sphere) as f64;
+        let mean = |power| boxes(primitives).map(|b| radius(&b).powi(power)).sum::<f64>() / count;
+        Self { density: count / room.size().element_product(), radius: [1, 2, 3].map(mean) }
+    }
+
+    /// Share of the room that they take.
+    fn filled(&self) -> f64 {
+        4.0 / 3.0 * PI * self.density * self.radius[2]
+    }
+
+    /// The edge of a cell, µm, into which [`CROWD`] of them reach: their centres are in the cell, grown by a radius.
+    fn edge(&self) -> f64 {
+        let [r, r2, r3] = self.radius;
+        let places = |e: f64| e.powi(3) + 6.0 * e.powi(2) * r + 3.0 * PI * e * r2 + 4.0 / 3.0 * PI * r3;
+        let mut edge = r;
+        while self.density * places(edge) < CROWD {
+            edge *= 1.05;
+        }
+        edge
+    }
 }
 
 impl Grid {
     /// Builds over the spheres, of which there are some.
     pub fn new(primitives: &Primitives, domain: Aabb) -> Self {
-        let mean = boxes(primitives).map(|b| radius(&b)).sum::<f64>() / primitives.count(Kind::Sphere) as f64;
         let seen = boxes(primitives).map(|b| b.intersection(domain));
         let bounds = seen.filter(|b| !b.is_empty()).fold(Aabb::EMPTY, Aabb::union);
-        let edge = mean * edge(share_filled(primitives, domain));
+        let edge = Crowd::new(primitives, domain).edge();
         let pad = PAD * edge;
         let (low, high) =
             if bounds.is_empty() { (DVec3::ZERO, DVec3::ZERO) } else { (bounds.min - pad, bounds.max + pad) };
@@ -164,30 +203,31 @@ impl Grid {
     }
 
     fn fill(&mut self, primitives: &Primitives, domain: Aabb, margin: f64) {
-        let pairs = self.pairs(primitives, domain);
         let cells = self.count.as_i64vec3().element_product() as usize;
-        let first = primitives.first(Kind::Sphere).0;
-        let mut pairs = pairs.into_iter().peekable();
-        for cell in 0..cells as u32 {
-            self.first.push(self.blocks.len() as u32);
-            for i in 0.. {
-                let Some((_, member)) = pairs.next_if(|p| p.0 == cell) else { break };
-                if i % SIDE_BY_SIDE == 0 {
-                    self.blocks.push(Block::EMPTY);
-                }
-                let bounds = primitives.bounds(PrimId(first + member));
-                let center = (bounds.center() - self.low).as_vec3();
-                let block = self.blocks.last_mut().expect("one has been begun");
-                block.put(i % SIDE_BY_SIDE, member, center, (radius(&bounds) + margin) as f32);
-            }
+        let mut waiting = vec![0u32; cells];
+        self.for_each_pair(primitives, domain, |cell, _| waiting[cell] += 1);
+        self.first = Vec::with_capacity(cells + 1);
+        let mut blocks = 0;
+        for &spheres in &waiting {
+            self.first.push(blocks);
+            blocks += spheres.div_ceil(SIDE_BY_SIDE as u32);
         }
-        self.first.push(self.blocks.len() as u32);
+        self.first.push(blocks);
+        let (mut filled, low) = (vec![Block::EMPTY; blocks as usize], self.low);
+        let first = primitives.first(Kind::Sphere).0;
+        self.for_each_pair(primitives, domain, |cell, member| {
+            waiting[cell] -= 1;
+            let i = waiting[cell] as usize;
+            let bounds = primitives.bounds(PrimId(first + member));
+            let (center, radius) = ((bounds.center() - low).as_vec3(), (radius(&bounds) + margin) as f32);
+            filled[self.first[cell] as usize + i / SIDE_BY_SIDE].put(i % SIDE_BY_SIDE, member, center, radius);
+        });
+        self.blocks = filled;
     }
 
-    /// Cells, and spheres that reach into them, by cell.
-    fn pairs(&self, primitives: &Primitives, domain: Aabb) -> Vec<(u32, u32)> {
+    /// Calls `visit` for each sphere and each cell into which it reaches.
+    fn for_each_pair(&self, primitives: &Primitives, domain: Aabb, mut visit: impl FnMut(usize, u32)) {
         let pad = PAD * self.edge;
-        let mut pairs: Vec<(u32, u32)> = Vec::new();
         for (member, whole) in boxes(primitives).enumerate() {
             let (center, radius) = (whole.center(), radius(&whole) + pad);
             let seen = whole.intersection(domain);
@@ -202,14 +242,12 @@ impl Grid {
                         let corner = self.low + self.edge * cell.as_dvec3();
                         let nearest = center.clamp(corner - pad, corner + self.edge + pad);
                         if nearest.distance_squared(center) <= radius * radius {
-                            pairs.push((self.number(cell) as u32, member as u32));
+                            visit(self.number(cell), member as u32);
                         }
                     }
                 }
             }
         }
-        pairs.sort_unstable();
-        pairs
     }
 
     /// The cell of a point, or the nearest one.
@@ -303,6 +341,42 @@ impl WithSimd for Search<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         for &i in self.which {
             self.grid.propose(self.primitives, &self.queries[i], &mut self.answers[i]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Builder, Shape, Sphere};
+
+    /// A lattice of 10 × 10 × 10 spheres, every tenth of which has a radius of `radius`, and the others one of 0.4; all but one
+    /// moved towards the corner.
+    fn lattice(radius: f64, squeeze: f64) -> Primitives {
+        let mut builder = Builder::default();
+        for i in 0..1000 {
+            let node = DVec3::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100));
+            let center = if i == 999 { node } else { squeeze * node };
+            let radius = squeeze * if i % 10 == 5 { radius } else { 0.4 };
+            builder.add(Shape::Sphere(Sphere { center, radius }), i as u32);
+        }
+        builder.finish()
+    }
+
+    #[test]
+    fn is_chosen_where_spheres_are_everywhere_alike() {
+        assert!(is_best(&lattice(0.4, 1.0), Aabb::INFINITE));
+        assert!(is_best(&lattice(0.04, 1.0), Aabb::INFINITE));
+        assert!(!is_best(&lattice(0.004, 1.0), Aabb::INFINITE), "radii of 1 : 100");
+        assert!(!is_best(&lattice(0.4, 0.5), Aabb::INFINITE), "all but one in a corner");
+    }
+
+    #[test]
+    fn most_cells_are_one_block() {
+        for radius in [0.4, 0.04] {
+            let grid = Grid::new(&lattice(radius, 1.0), Aabb::INFINITE);
+            let (cells, blocks) = (grid.first.len() - 1, grid.blocks.len());
+            assert!((0.8..1.6).contains(&(blocks as f64 / cells as f64)), "{blocks} blocks in {cells} cells");
         }
     }
 }

@@ -4,7 +4,7 @@
 //! [`Primitives`] decides in double precision. Boxes are grown by far more than single precision can err
 //! ([`proxy`]), so no backend misses a candidate, and all give the same answer to the last bit.
 //!
-//! Backends: [`embree`] (Intel Embree 3 or 4, found at build time), [`obvhs`] (pure Rust), [`grid`] (for dense packings of
+//! Backends: [`embree`] (Intel Embree 3 or 4, found at build time), [`obvhs`] (pure Rust), [`grid`] (for packings of
 //! spheres), [`brute`] (asks every primitive: the slow twin for tests). [`choose`] is the only place that knows which are compiled in.
 
 pub mod brute;

@@ -25,7 +25,7 @@ impl Obvhs {
     pub fn new(primitives: &Primitives, proxy: Proxy) -> Self {
         let patches = Patches::new(primitives);
         let aabb = |[min, max]: [[f32; 3]; 2]| Aabb::new(Vec3A::from(min), Vec3A::from(max));
-        let of_patches = (0..patches.len()).map(|i| proxy.around(patches.bounds(primitives, i)));
+        let of_patches = (0..patches.count()).map(|i| proxy.around(patches.bounds(primitives, i)));
         let others = (primitives.count(Kind::Triangle)..primitives.bounded_count())
             .map(|id| proxy.bounds(primitives, PrimId(id as u32)));
         let boxes: Vec<Aabb> = of_patches.chain(others).map(aabb).collect();
@@ -46,12 +46,12 @@ impl Obvhs {
         let mut node;
         traverse!(self.bvh, node, state, node.intersect_ray(&ray, state.oct_inv4), {
             let id = self.bvh.primitive_indices[state.primitive_id as usize] as usize;
-            if id < self.patches.len() {
+            if id < self.patches.count() {
                 for i in self.patches.triangles(id) {
                     primitives.propose_triangle(query, i, PrimId(i as u32), sink);
                 }
             } else {
-                let prim = primitives.count(Kind::Triangle) + id - self.patches.len();
+                let prim = primitives.count(Kind::Triangle) + id - self.patches.count();
                 primitives.propose(query, PrimId(prim as u32), sink);
             }
             ray.tmax = self.proxy.reach(sink.horizon(), &proxy);

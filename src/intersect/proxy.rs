@@ -125,7 +125,7 @@ impl Patches {
     }
 
     /// How many.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.first.len().saturating_sub(1)
     }
 

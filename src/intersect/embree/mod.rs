@@ -146,7 +146,7 @@ struct Geometry {
 impl Geometry {
     /// Primitives as Embree sees them.
     fn count(&self) -> usize {
-        if self.kind == Kind::Triangle { self.patches.len() } else { self.primitives.count(self.kind) }
+        if self.kind == Kind::Triangle { self.patches.count() } else { self.primitives.count(self.kind) }
     }
 
     /// Box of one.
