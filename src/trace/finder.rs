@@ -300,11 +300,11 @@ impl Finder {
         let primitives = world.scene.primitives();
         let (crossing, Order { t, surface }) = (self.crossings[0], met.order);
         let point = met.probe.at(t);
-        let normal = match primitives.plane(surface) {
-            Some(plane) => plane.normal,
-            None => primitives.normal(crossing.prim, crossing.face, point),
+        let cos = match primitives.plane(surface) {
+            Some(plane) => plane.normal.dot(start.normal),
+            None => primitives.normal(crossing.prim, crossing.face, point).dot(start.normal),
         };
-        if normal.dot(start.normal).abs() < PARALLEL || !self.is_flat_enough(world, start, met, point) {
+        if cos.abs() < PARALLEL || !self.is_flat_enough(world, start, met, point) {
             return false;
         }
         let stack = &mut self.stack;

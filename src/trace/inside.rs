@@ -7,6 +7,9 @@ use crate::sample::{Matter, MediumId, Sample};
 /// Bodies that may lie in one another.
 const DEEPEST: usize = 32;
 
+/// Few rays are in more.
+const USUAL: usize = 4;
+
 /// A small multiset of solids, the winner first.
 #[derive(Debug)]
 pub struct Inside {
@@ -21,11 +24,12 @@ impl Clone for Inside {
         out
     }
 
-    /// Copies one where that is all: most rays are inside of one body or none, and this happens at every interface.
+    /// Copies only what is there, or little more: this happens at every interface.
     #[inline]
     fn clone_from(&mut self, other: &Self) {
-        (self.len, self.solids[0]) = (other.len, other.solids[0]);
-        if self.len > 1 {
+        self.len = other.len;
+        self.solids[..USUAL].copy_from_slice(&other.solids[..USUAL]);
+        if self.len as usize > USUAL {
             self.solids = other.solids;
         }
     }
