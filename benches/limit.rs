@@ -125,7 +125,7 @@ mod limit {
 
 #[cfg(has_embree)]
 fn main() {
-    use gonio_embree::plan::{Limits, Options, Wanted};
+    use gonio_embree::plan::{Limits, Name, Options, Wanted};
     use gonio_embree::sample::Description;
 
     println!(
@@ -134,6 +134,9 @@ fn main() {
     );
     let of = |text: &str| Description::from_text(text).unwrap().0;
     let path = Options { limits: Limits { depth: 64, splits: Some(0), ..Limits::default() }, ..Options::default() };
+    // The plan sees that indices do not vary, so that one field and the lengths in each medium say all; or every wavelength has a
+    // field of its own.
+    let phases = Options { wanted: Wanted::AUTO.with(Name::Phase, true), ..path };
     let all = Options { wanted: Wanted::ALL, ..path };
     for (name, matrix) in [("14,000 spheres n 1.5 in 1.33", "1.33"), ("14,000 spheres n 1.5 in 1.52", "1.52")] {
         let text = format!(
@@ -142,7 +145,8 @@ fn main() {
         );
         limit::case(&format!("{name}, 1 λ"), &of(&text), 1, path);
         limit::case(&format!("{name}, 20 λ"), &of(&text), 20, path);
-        limit::case(&format!("{name}, 20 λ, phases"), &of(&text), 20, all);
+        limit::case(&format!("{name}, 20 λ, phases"), &of(&text), 20, phases);
+        limit::case(&format!("{name}, 20 λ, 20 fields"), &of(&text), 20, all);
     }
     let feather = "[media]\nplatelet = 2.0\ncore = 1.5\n[[generate]]\nkind = \"bricks\"\nmedium = \"platelet\"\ncore = \"core\"\n";
     limit::case("feather, 16 λ", &of(feather), 16, Options::default());
