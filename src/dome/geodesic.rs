@@ -2,7 +2,7 @@
 //! their edges, again and again. From level 1 on the equator is a union of edges, so no facet sees both
 //! reflection and transmission.
 
-use std::hint::select_unpredictable as unforeseen;
+use std::hint::select_unpredictable;
 
 use glam::DVec3;
 
@@ -140,7 +140,11 @@ impl Locator {
         let mut first = 0;
         for level in 0..self.level {
             let beyond = self.cuts[(first + code) as usize].map(|n| n.dot(dir) > 0.0);
-            let part = unforeseen(beyond[0], 0, unforeseen(beyond[1], 1, unforeseen(beyond[2], 2, 3)));
+            let part = select_unpredictable(
+                beyond[0],
+                0,
+                select_unpredictable(beyond[1], 1, select_unpredictable(beyond[2], 2, 3)),
+            );
             first += count(level);
             code = 4 * code + part;
         }
@@ -151,7 +155,7 @@ impl Locator {
     #[inline(always)]
     fn root(&self, dir: DVec3) -> u32 {
         // Neighbours first, then the winners: few comparisons wait for each other.
-        let nearer = |a: (f64, u32), b: (f64, u32)| unforeseen(b.0 > a.0, b, a);
+        let nearer = |a: (f64, u32), b: (f64, u32)| select_unpredictable(b.0 > a.0, b, a);
         let at = |i: usize| (self.centers[i].dot(dir), i as u32);
         let pairs: [_; 10] = std::array::from_fn(|i| nearer(at(2 * i), at(2 * i + 1)));
         let fours: [_; 5] = std::array::from_fn(|i| nearer(pairs[2 * i], pairs[2 * i + 1]));

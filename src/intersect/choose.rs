@@ -149,7 +149,9 @@ impl Accelerator {
             Backend::Embree => Embree::new(primitives, proxy).map(Self::Embree).map_err(BackendError::Library),
             #[cfg(feature = "obvhs")]
             Backend::Obvhs => Ok(Self::Obvhs(Obvhs::new(primitives, proxy))),
-            Backend::Grid if grid::is_best(primitives, domain) => Ok(Self::Grid(Grid::new(primitives, domain))),
+            Backend::Grid if backend == Backend::Auto || grid::is_best(primitives, domain) => {
+                Ok(Self::Grid(Grid::new(primitives, domain)))
+            }
             Backend::Grid => Err(BackendError::NotForThis(Backend::Grid)),
             Backend::Auto => unreachable!("one has been chosen"),
             Backend::Brute => {
